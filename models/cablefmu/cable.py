@@ -1,0 +1,127 @@
+"""The cable as numbers: what a scene says once its texts, units and shapes are worked out.
+
+A `Cable` is the one hand-over between a scene file and everything that computes: the FMU's
+resource file is written from it, the dense reference model reads it, and no two of them share code.
+
+Frame: planar, x to the right, **y downward**, origin at the rest position of the top joint, gravity
+along +y. SI units, angles in radians from the downward vertical, positive towards +x.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Cable", "Drag", "Floats", "Links", "Terminal"]
+
+Floats = NDArray[np.float64]
+
+
+class Terminal(StrEnum):
+    """What hangs at the lower end of the cable, the point P_n."""
+
+    LOAD = "load"
+    """Point mass with its own submerged weight, external force (F_cx, F_cy)."""
+    ANCHOR_MASS = "anchor-mass"
+    """A huge, neutrally buoyant mass: no weight, no force input."""
+    ANCHOR_SPRING = "anchor-spring"
+    """A mass with submerged weight on a spring-damper pair about the rest position."""
+    FLOATER = "floater"
+    """A second floater: weightless at rest, spring-dampers about the rest position, force u_m2."""
+
+
+class Drag(StrEnum):
+    """How a scene gives the normal drag f = -c |v_n| v_n n at each link's centre."""
+
+    NONE = "none"
+    """No water."""
+    COEFFICIENT = "coefficient"
+    """c = 1/2 rho_w Cd D l, from the drag coefficient Cd [-] of each link."""
+    PER_LINK = "per-link"
+    """c given as it stands, c_v [N s^2/m^2] of each link [Table 6.1]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """Per-link arrays, all of shape (n,), link 1 (at the top) first. Links may differ in every one."""
+
+    length: Floats
+    """l_i [m]"""
+    mass: Floats
+    """m_i [kg]"""
+    inertia: Floats
+    """I_Ri, about the link's own centre [kg m^2]; the terminal's I_Rc is *not* included here."""
+    volume: Floats
+    """Displaced volume [m^3]; in water the submerged weight is (m_i - rho_w V_i) g."""
+    joint_stiffness: Floats
+    """k_i of the joint at the top of link i [N m/rad]"""
+    joint_damping: Floats
+    """c_i of the joint at the top of link i [N m s/rad]"""
+    drag_area: Floats
+    """D_i l_i, the area that Cd refers to [m^2]; zeros unless drag is by coefficient."""
+    drag: Floats
+    """Cd_i [-] for `Drag.COEFFICIENT`, c_v,i [N s^2/m^2] for `Drag.PER_LINK`, zeros in air."""
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+
+@dataclass(frozen=True, slots=True)
+class Cable:
+    """One cable between its two ports, ready to compute.
+
+    Notes
+    -----
+    `parameters` holds exactly the scalars that the scene's FMU exposes, under their FMI names, SI:
+
+    ==================================== ============================================================
+    present                              names
+    ==================================== ============================================================
+    always                               ``g``, ``M_1``, ``k_m1``, ``c_m1``, ``static_load``
+    water                                ``rho_w``
+    ... drag by one common coefficient   ``Cd`` (overrides `links.drag`)
+    joints all equal, not zero           ``k_joint``, ``c_joint`` (override the arrays; each by itself)
+    load                                 ``m_c``; ``I_Rc`` if not zero; in water ``rho_c`` or ``V_c``
+    anchor-mass                          ``m_c``
+    anchor-spring                        ``m_c``; in water ``rho_c`` or ``V_c``; ``k_cH``, ``c_cH``,
+                                         ``k_cV``, ``c_cV``, ``static_load_2``, ``static_pull_2``
+    floater                              ``M_2`` (in m_c's place), ``k_m2V``, ``c_m2V``, ``k_m2H``,
+                                         ``c_m2H``, ``static_load_2``, ``static_pull_2``
+    ==================================== ============================================================
+
+    A parameter wins over an array that it overrides, so that ``replace(cable, parameters=...)`` is
+    the same cable with that value. `static_load` [N] acts upwards on floater 1; the terminal's
+    springs pull it with F_x = static_pull_2 - k_H (x_c - x_0) - c_H vx_c and
+    F_y = -static_load_2 - k_V (y_c - y_0) - c_V vy_c, (x_0, y_0) being `rest_position`.
+    Submerged mass of the terminal: load and anchor-spring m_c - rho_w V_c, where V_c = m_c / rho_c
+    if a density is given (in air m_c); anchor-mass and floater 0.
+    """
+
+    name: str
+    links: Links
+    terminal: Terminal
+    drag: Drag
+    parameters: dict[str, float]
+    inputs: tuple[str, ...]
+    """Names of the force inputs [N] that exist, in the order u_m1, u_m2, F_cx, F_cy."""
+    position: Floats
+    """Start of q = (y_m, theta_1 ... theta_n), shape (n + 1,) [m, rad]"""
+    velocity: Floats
+    """Start of dq/dt, shape (n + 1,) [m/s, rad/s]"""
+    rest_position: tuple[float, float] = (0.0, 0.0)
+    """(x_0, y_0) of the terminal's springs [m]; (0, 0) where there are none."""
+    input_start: dict[str, float] = field(default_factory=dict)
+    """Value of each input at the start [N]; 0 where it is not named."""
+
+    @property
+    def n(self) -> int:
+        """Number of links."""
+        return len(self.links)
+
+    @property
+    def in_water(self) -> bool:
+        """Whether the cable is submerged (buoyancy and drag)."""
+        return "rho_w" in self.parameters
