@@ -1,0 +1,149 @@
+"""The equation of motion as the dissertation writes it [3.8], dense: the reference for the FMU's kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Literal, get_args
+
+import numpy as np
+import scipy.linalg
+
+from cablefmu.cable import Cable, Floats
+from cablefmu.errors import OptionError
+from cablefmu.reference.chain import Array, Chain, Number, chain_of
+from cablefmu.reference.drag import drag_vector
+from cablefmu.reference.heavy_end import is_heavy, solve_bordered
+from cablefmu.reference.kinematics import Motion, motion_of
+from cablefmu.reference.matrices import damping_matrix, inertia_matrix, stiffness_matrix
+from cablefmu.reference.outputs import output_values
+from cablefmu.reference.terminal import TerminalRule, departure, terminal_force, terminal_vector
+from cablefmu.reference.vectors import gravity_vector, velocity_vector
+
+__all__ = ["HeaveRule", "Reference", "generalised_forces"]
+
+HeaveRule = Literal["static_load", "none"]
+
+
+def generalised_forces(
+    chain: Chain, motion: Motion, inputs: Mapping[str, Number], rule: TerminalRule = "virtual_work"
+) -> Array:
+    """T of [3.8], shape (n + 1,) [N, N m]: u_m1 on the floater, terminal force and drag on all."""
+    force = terminal_force(chain, motion, inputs)
+    forces = terminal_vector(chain, motion, force, rule) + drag_vector(chain, motion)
+    forces[0] += inputs.get("u_m1", 0.0)
+    return forces
+
+
+class Reference:
+    """A cable's motion by dense matrices.
+
+    Parameters
+    ----------
+    cable
+        The cable. Its parameters are read once, here.
+    terminal_rule
+        How a force on the terminal enters: "virtual_work" (exact), or "projected", the print's own
+        [5.8-5.10], which exists to measure its departure.
+    heave_rule
+        What y_m = 0 means: "static_load" takes the cable's parameter, "none" replaces it by 0, which is
+        Appendix A's G_1. With a hanging load's default `static_load` the first is [5.6]'s G_1 = 0.
+    heavy_end
+        Whether to solve with the end's inertia outside the matrix (see `heavy_end`); None: if the end
+        outweighs the cable a thousand times.
+
+    Raises
+    ------
+    OptionError
+        A rule that is not one of these.
+    """
+
+    def __init__(
+        self,
+        cable: Cable,
+        *,
+        terminal_rule: TerminalRule = "virtual_work",
+        heave_rule: HeaveRule = "static_load",
+        heavy_end: bool | None = None,
+    ) -> None:
+        _require("terminal_rule", terminal_rule, get_args(TerminalRule))
+        _require("heave_rule", heave_rule, get_args(HeaveRule))
+        self.cable = cable
+        self.terminal_rule: TerminalRule = terminal_rule
+        chain = chain_of(cable)
+        self.chain = chain if heave_rule == "static_load" else replace(chain, static_load=0.0)
+        self.heavy_end = is_heavy(chain) if heavy_end is None else heavy_end
+        self._inert = replace(self.chain, end_mass=0.0) if self.heavy_end else self.chain
+        self._damping = damping_matrix(self.chain)
+        self._stiffness = stiffness_matrix(self.chain)
+
+    def acceleration(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
+        """x'' from I x'' + C x' + K x + F + G = T.
+
+        Parameters
+        ----------
+        q, v
+            (y_m, theta) and its rate, shape (n + 1,) [m, rad; m/s, rad/s].
+        inputs
+            Force inputs by name [N]; 0 where one is not named.
+
+        Returns
+        -------
+        array, shape (n + 1,) [m/s^2, rad/s^2]
+
+        Raises
+        ------
+        OptionError
+            A wrong shape, or an input that the cable does not have.
+        """
+        return self._solve(q, v, self._motion(q, v, inputs), inputs)[0]
+
+    def outputs(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> dict[str, float]:
+        """The FMU's outputs by name at a state: see `outputs.output_values`."""
+        motion = self._motion(q, v, inputs)
+        acceleration, end_inertia_force = self._solve(q, v, motion, inputs)
+        return output_values(self.chain, motion, acceleration, inputs, end_inertia_force)
+
+    def departure(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
+        """T by the projected rule less T by virtual work, shape (n + 1,) [N, N m]."""
+        motion = self._motion(q, v, inputs)
+        return departure(self.chain, motion, terminal_force(self.chain, motion, inputs))
+
+    def departure_report(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> str:
+        """The same for people: a table of both rules, one line per coordinate."""
+        motion = self._motion(q, v, inputs)
+        force = terminal_force(self.chain, motion, inputs)
+        exact = terminal_vector(self.chain, motion, force, "virtual_work")
+        print_rule = terminal_vector(self.chain, motion, force, "projected")
+        names = ["y_m [N]", *(f"theta[{i}] [N m]" for i in range(1, self.chain.n + 1))]
+        lines = [f"{'':<18}{'virtual work':>16}{'projected':>16}{'departure':>16}"]
+        for name, right, printed in zip(names, exact, print_rule, strict=True):
+            lines.append(f"{name:<18}{right:>16.6g}{printed:>16.6g}{printed - right:>16.6g}")
+        return "\n".join(lines)
+
+    def _solve(
+        self, q: Floats, v: Floats, motion: Motion, inputs: Mapping[str, float]
+    ) -> tuple[Floats, Floats | None]:
+        """x'', and m_c P_n'' where it is an unknown of its own (see `heavy_end`)."""
+        T = generalised_forces(self.chain, motion, inputs, self.terminal_rule)
+        F, G = velocity_vector(self._inert, motion), gravity_vector(self.chain, motion)
+        right_side = T - (self._damping @ v + self._stiffness @ q + F + G)
+        inertia = inertia_matrix(self._inert, motion)
+        if self.heavy_end:
+            return solve_bordered(self.chain, motion, inertia, right_side)
+        return scipy.linalg.solve(inertia, right_side, assume_a="pos", check_finite=False), None
+
+    def _motion(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Motion:
+        expected = (self.chain.n + 1,)
+        for name, value in (("q", q), ("v", v)):
+            if np.shape(value) != expected:
+                raise OptionError(f"{name} must have shape {expected}, got {np.shape(value)}.")
+        for name in inputs:
+            _require("input", name, self.cable.inputs)
+        return motion_of(q, v)
+
+
+def _require(what: str, value: str, allowed: tuple[str, ...]) -> None:
+    if value not in allowed:
+        names = ", ".join(f'"{name}"' for name in allowed) or "none here"
+        raise OptionError(f'{what} "{value}" does not exist; allowed: {names}.')

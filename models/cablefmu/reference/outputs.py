@@ -1,0 +1,117 @@
+"""What one looks at: port motion, joint forces, tensions, energy, and where the energy goes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from cablefmu.reference.chain import Array, Chain, Number
+from cablefmu.reference.drag import drag_forces
+from cablefmu.reference.kinematics import Motion, accelerations, centres, points, velocities
+from cablefmu.reference.terminal import terminal_force
+
+__all__ = ["energy", "joint_forces", "kinetic_energy", "output_values", "potential_energy", "powers", "pulls"]
+
+
+def output_values(
+    chain: Chain,
+    motion: Motion,
+    acceleration: Array,
+    inputs: Mapping[str, Number],
+    end_inertia_force: Array | None = None,
+) -> dict[str, Any]:
+    """Every output of the FMU by its name, SI; arguments as for `joint_forces`."""
+    position, velocity = points(chain, motion)[-1], velocities(chain, motion)[-1]
+    pull = pulls(motion, joint_forces(chain, motion, acceleration, inputs, end_inertia_force))
+    return {
+        "y_m1": motion.heave,
+        "v_m1": motion.heave_rate,
+        "x_c": position[0],
+        "y_c": position[1],
+        "vx_c": velocity[0],
+        "vy_c": velocity[1],
+        "tension_top": pull[0, 0],
+        "tension_end": pull[-1, 1],
+        "tension_max": pull.max(),
+        "energy": energy(chain, motion),
+    }
+
+
+def joint_forces(
+    chain: Chain,
+    motion: Motion,
+    acceleration: Array,
+    inputs: Mapping[str, Number],
+    end_inertia_force: Array | None = None,
+) -> Array:
+    """R_1 ... R_{n+1}, the force from above on each link and, last, on the terminal, shape (n + 1, 2) [N].
+
+    Newton's law, from the tip up: R_{n+1} = m_c P_n'' - W_c - F_c and
+    R_i = R_{i+1} + m_i c_i'' - W_i - f_i, with weights W along +y and drag f_i. Give m_c P_n'' as
+    `end_inertia_force` where it is known better than as a product of 8e8 kg with a rounded acceleration.
+    """
+    at_points = accelerations(chain, motion, acceleration)
+    down = np.array([0, 1])
+    inertia_force = chain.end_mass * at_points[-1] if end_inertia_force is None else end_inertia_force
+    end = inertia_force - chain.end_wet_mass * chain.gravity * down - terminal_force(chain, motion, inputs)
+    links = (
+        chain.mass[:, None] * centres(at_points)
+        - np.outer(chain.wet_mass * chain.gravity, down)
+        - drag_forces(chain, motion)
+    )
+    return np.cumsum(np.vstack([links, end])[::-1], axis=0)[::-1]
+
+
+def pulls(motion: Motion, forces: Array) -> Array:
+    """-R_i . e_i and -R_{i+1} . e_i, the pull at the top and the lower end of link i, shape (n, 2) [N]."""
+    along = motion.along
+    return -np.stack([np.sum(forces[:-1] * along, axis=1), np.sum(forces[1:] * along, axis=1)], axis=1)
+
+
+def energy(chain: Chain, motion: Motion) -> Number:
+    """Kinetic and potential energy [J], without external forces."""
+    return kinetic_energy(chain, motion) + potential_energy(chain, motion)
+
+
+def kinetic_energy(chain: Chain, motion: Motion) -> Number:
+    """Of floater, links and terminal [J], from their own velocities rather than from I(x)."""
+    at_points = velocities(chain, motion)
+    links = chain.mass @ np.sum(centres(at_points) ** 2, axis=1) + chain.inertia @ motion.omega**2
+    ports = chain.floater_mass * motion.heave_rate**2 + chain.end_mass * np.sum(at_points[-1] ** 2)
+    return (links + ports) / 2
+
+
+def potential_energy(chain: Chain, motion: Motion) -> Number:
+    """Of weights, springs and static loads [J].
+
+    Weights count from Y = 0, downward lowering it; the terminal's springs and preload from its rest
+    position, that of floater 1 from y_m = 0.
+    """
+    at_points = points(chain, motion)
+    weights = chain.wet_mass @ centres(at_points)[:, 1] + chain.end_wet_mass * at_points[-1, 1]
+    bend = motion.theta - np.concatenate([[0], motion.theta[:-1]])
+    springs = chain.end_springs
+    stretch = at_points[-1] - springs.rest
+    floater = chain.floater_stiffness * motion.heave**2 / 2 + chain.static_load * motion.heave
+    terminal = springs.stiffness @ stretch**2 / 2 - springs.preload @ stretch
+    return floater + chain.stiffness @ bend**2 / 2 + terminal - chain.gravity * weights
+
+
+def powers(chain: Chain, motion: Motion, inputs: Mapping[str, Number]) -> dict[str, Any]:
+    """What enters (+) and leaves (-) the energy [W]; their sum is dE/dt by virtual work.
+
+    Keys: one per input, then "joints" (c_i), "floater" (c_m), "terminal" (its dampers), "drag".
+    """
+    at_points = velocities(chain, motion)
+    end = at_points[-1]
+    moved = {"u_m1": motion.heave_rate, "u_m2": end[1], "F_cx": end[0], "F_cy": end[1]}
+    bend_rate = motion.omega - np.concatenate([[0], motion.omega[:-1]])
+    return {
+        **{name: force * moved[name] for name, force in inputs.items()},
+        "joints": -chain.damping @ bend_rate**2,
+        "floater": -chain.floater_damping * motion.heave_rate**2,
+        "terminal": -chain.end_springs.damping @ end**2,
+        "drag": np.sum(drag_forces(chain, motion) * centres(at_points)),
+    }
