@@ -1,0 +1,193 @@
+#include <math.h>
+#include <string.h>
+
+#include "instance.h"
+
+#define PARAMETER(name, unit, least, description) {#name, #least},
+#define INPUT(name, unit, description)
+#define OUTPUT(name, unit, nominal, description)
+static const struct {
+    const char *name, *least; /* "-inf", "0", or "+0" for above zero */
+} PARAMETER_INFO[] = {
+#include "../kernel/variables.def"
+};
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+
+static const Variable *lookup(Instance *instance, uint32_t reference)
+{
+    if (reference < instance->resource.variables) return &instance->resource.variable[reference];
+    Text text;
+    text_start(&text);
+    text_add(&text, "value reference ");
+    text_integer(&text, reference);
+    text_add(&text, " does not exist; they end with ");
+    text_integer(&text, instance->resource.variables - 1u);
+    instance_fail(instance, &text);
+    return NULL;
+}
+
+static bool is_tension(uint32_t output)
+{
+    return output == Y_tension_top || output == Y_tension_end || output == Y_tension_max;
+}
+
+static bool get_one(Instance *instance, const Variable *variable, double *value)
+{
+    switch (variable->kind) {
+    case VARIABLE_TIME: *value = instance->time; return true;
+    case VARIABLE_PARAMETER: *value = instance->model.parameter[variable->index]; return true;
+    case VARIABLE_INPUT: *value = instance->u[variable->index]; return true;
+    case VARIABLE_STATE: *value = instance->x[variable->index]; return true;
+    case VARIABLE_DERIVATIVE:
+        if (!refresh_derivatives(instance)) return false;
+        *value = instance->derivative[variable->index];
+        return true;
+    default:
+        if (!refresh_outputs(instance, is_tension(variable->index))) return false;
+        *value = instance->output[variable->index];
+        return true;
+    }
+}
+
+Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values)
+{
+    for (size_t k = 0; k < count; k++) {
+        const Variable *variable = lookup(instance, references[k]);
+        if (!variable || !get_one(instance, variable, &values[k])) return STATUS_ERROR;
+    }
+    return STATUS_OK;
+}
+
+static void text_variable(Text *text, const Instance *instance, const Variable *variable)
+{
+    switch (variable->kind) {
+    case VARIABLE_PARAMETER: text_add(text, PARAMETER_INFO[variable->index].name); break;
+    case VARIABLE_INPUT: text_add(text, INPUT_NAME[variable->index]); break;
+    case VARIABLE_STATE: text_state(text, instance, variable->index); break;
+    default: text_add(text, "a calculated variable");
+    }
+}
+
+static Status refuse_value(Instance *instance, const Variable *variable, double value, const char *expected)
+{
+    Text text;
+    text_start(&text);
+    text_variable(&text, instance, variable);
+    text_add(&text, " = ");
+    text_number(&text, value);
+    text_at_time(&text, instance->time);
+    text_add(&text, ": ");
+    text_add(&text, expected);
+    return instance_fail(instance, &text);
+}
+
+/* Whether the variable may be set now, and to this value. */
+static Status check(Instance *instance, const Variable *variable, double value)
+{
+    if (variable->kind != VARIABLE_PARAMETER && variable->kind != VARIABLE_INPUT && variable->kind != VARIABLE_STATE)
+        return refuse_value(instance, variable, value, "it is calculated and cannot be set");
+    if (!isfinite(value)) return refuse_value(instance, variable, value, "a finite number is expected");
+    if (variable->kind == VARIABLE_INPUT) return STATUS_OK;
+    if (!(instance->mode & MODE_SETUP))
+        return refuse_value(instance, variable, value, "parameters and start values are fixed once initialization has ended");
+    if (variable->kind == VARIABLE_STATE) return STATUS_OK;
+    const char *least = PARAMETER_INFO[variable->index].least;
+    if (strcmp(least, "+0") == 0 && !(value > 0.0))
+        return refuse_value(instance, variable, value, "a number above 0 is expected");
+    if (strcmp(least, "0") == 0 && value < 0.0)
+        return refuse_value(instance, variable, value, "a number of 0 or more is expected");
+    return STATUS_OK;
+}
+
+Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values)
+{
+    for (size_t k = 0; k < count; k++) {
+        const Variable *variable = lookup(instance, references[k]);
+        if (!variable || check(instance, variable, values[k]) != STATUS_OK) return STATUS_ERROR;
+    }
+    for (size_t k = 0; k < count; k++) {
+        const Variable *variable = &instance->resource.variable[references[k]];
+        if (variable->kind == VARIABLE_PARAMETER) {
+            instance->model.parameter[variable->index] = values[k];
+            invalidate_model(instance);
+        } else {
+            double *place = variable->kind == VARIABLE_INPUT ? instance->u : instance->x;
+            place[variable->index] = values[k];
+            invalidate_state(instance);
+        }
+    }
+    return STATUS_OK;
+}
+
+Status instance_set_input_derivative(Instance *instance, uint32_t reference, int order, double value)
+{
+    const Variable *variable = lookup(instance, reference);
+    if (!variable) return STATUS_ERROR;
+    if (variable->kind != VARIABLE_INPUT) return refuse_value(instance, variable, value, "it is not an input");
+    if (order < 1 || order > INPUT_ORDERS)
+        return refuse_value(instance, variable, value, "derivatives of order 1 to 5 are taken");
+    if (!isfinite(value)) return refuse_value(instance, variable, value, "its derivative must be a finite number");
+    instance->u_derivative[order - 1][variable->index] = value;
+    return STATUS_OK;
+}
+
+static Status wrong_size(Instance *instance, size_t count)
+{
+    Text text;
+    text_start(&text);
+    text_integer(&text, count);
+    text_add(&text, " states were given or asked for; this cable has ");
+    text_integer(&text, (uint64_t)model_states(&instance->model));
+    return instance_fail(instance, &text);
+}
+
+static bool size_matches(const Instance *instance, size_t count)
+{
+    return count == (size_t)model_states(&instance->model);
+}
+
+Status instance_set_time(Instance *instance, double time)
+{
+    if (!isfinite(time)) {
+        Text text;
+        text_start(&text);
+        text_add(&text, "time = ");
+        text_number(&text, time);
+        text_add(&text, ": a finite number of seconds is expected");
+        return instance_fail(instance, &text);
+    }
+    instance->time = time;
+    return STATUS_OK;
+}
+
+Status instance_set_states(Instance *instance, const double *x, size_t count)
+{
+    if (!size_matches(instance, count)) return wrong_size(instance, count);
+    memcpy(instance->x, x, count * sizeof *x);
+    invalidate_state(instance);
+    return STATUS_OK;
+}
+
+Status instance_get_states(Instance *instance, double *x, size_t count)
+{
+    if (!size_matches(instance, count)) return wrong_size(instance, count);
+    memcpy(x, instance->x, count * sizeof *x);
+    return STATUS_OK;
+}
+
+Status instance_get_derivatives(Instance *instance, double *derivative, size_t count)
+{
+    if (!size_matches(instance, count)) return wrong_size(instance, count);
+    if (!refresh_derivatives(instance)) return STATUS_ERROR;
+    memcpy(derivative, instance->derivative, count * sizeof *derivative);
+    return STATUS_OK;
+}
+
+Status instance_nominals(Instance *instance, double *nominals, size_t count)
+{
+    if (!size_matches(instance, count)) return wrong_size(instance, count);
+    for (size_t k = 0; k < count; k++) nominals[k] = 1.0; /* m, rad, m/s, rad/s */
+    return STATUS_OK;
+}

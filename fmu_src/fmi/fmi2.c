@@ -1,0 +1,392 @@
+/* The FMI 2.0 interface over instance.h: argument checks, legal states, nothing else. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2Functions.h"
+#include "instance.h"
+
+typedef struct {
+    Instance *instance;
+    fmi2CallbackLogger logger; /* copied: the host's struct is valid during fmi2Instantiate only */
+    fmi2ComponentEnvironment environment;
+    char *name;
+} Component;
+
+static fmi2Status fmi2_status(Status status)
+{
+    static const fmi2Status MEANING[] = {fmi2OK, fmi2Warning, fmi2Error};
+    return MEANING[status];
+}
+
+static void log_message(void *owner, Status status, const char *message)
+{
+    const Component *component = owner;
+    if (!component->logger) return;
+    const char *category = status == STATUS_WARNING ? "logStatusWarning" : "logStatusError";
+    component->logger(component->environment, component->name, fmi2_status(status), category, "%s", message);
+}
+
+static fmi2Status refuse(const Component *component, const char *message)
+{
+    if (component) log_message((void *)component, STATUS_ERROR, message);
+    return fmi2Error;
+}
+
+/* The instance if it exists and the call is legal now, else NULL after a message. */
+static Instance *legal(fmi2Component c, unsigned modes, const char *call)
+{
+    Component *component = c;
+    if (!component) return NULL;
+    return instance_allows(component->instance, modes, call) ? component->instance : NULL;
+}
+
+static void free_component(Component *component)
+{
+    if (component->instance) instance_free(component->instance);
+    free(component->name);
+    free(component);
+}
+
+const char *fmi2GetTypesPlatform(void)
+{
+    return fmi2TypesPlatform;
+}
+
+const char *fmi2GetVersion(void)
+{
+    return "2.0";
+}
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[])
+{
+    /* There is nothing to switch: only statuses other than OK are logged, and those always are. */
+    (void)loggingOn, (void)nCategories, (void)categories;
+    return c ? fmi2OK : fmi2Error;
+}
+
+fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
+                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
+                              fmi2Boolean visible, fmi2Boolean loggingOn)
+{
+    (void)visible, (void)loggingOn;
+    Component *component = calloc(1, sizeof *component);
+    if (!component) return NULL;
+    if (functions) {
+        component->logger = functions->logger;
+        component->environment = functions->componentEnvironment;
+    }
+    const char *name = instanceName ? instanceName : "";
+    component->name = calloc(strlen(name) + 1, 1);
+    if (component->name) strcpy(component->name, name);
+
+    const Host host = {component, log_message, NULL};
+    const Interface interface = fmuType == fmi2CoSimulation ? CO_SIMULATION : MODEL_EXCHANGE;
+    if (component->name) component->instance = instance_new(interface, fmuGUID, fmuResourceLocation, host);
+    if (component->instance) return component;
+    free_component(component);
+    return NULL;
+}
+
+void fmi2FreeInstance(fmi2Component c)
+{
+    if (c) free_component(c);
+}
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
+                               fmi2Boolean stopTimeDefined, fmi2Real stopTime)
+{
+    (void)stopTimeDefined, (void)stopTime;
+    Instance *instance = legal(c, MODE_INSTANTIATED, "fmi2SetupExperiment");
+    if (!instance) return fmi2Error;
+    return fmi2_status(instance_setup(instance, startTime, toleranceDefined != fmi2False, tolerance));
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component c)
+{
+    Instance *instance = legal(c, MODE_INSTANTIATED, "fmi2EnterInitializationMode");
+    if (!instance) return fmi2Error;
+    instance->mode = MODE_INITIALIZATION;
+    return fmi2OK;
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c)
+{
+    Instance *instance = legal(c, MODE_INITIALIZATION, "fmi2ExitInitializationMode");
+    return instance ? fmi2_status(instance_exit_initialization(instance)) : fmi2Error;
+}
+
+fmi2Status fmi2Terminate(fmi2Component c)
+{
+    Instance *instance = legal(c, MODE_RUNNING, "fmi2Terminate");
+    if (!instance) return fmi2Error;
+    instance->mode = MODE_TERMINATED;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Reset(fmi2Component c)
+{
+    Instance *instance = legal(c, MODE_ANY, "fmi2Reset");
+    return instance ? fmi2_status(instance_reset(instance)) : fmi2Error;
+}
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
+{
+    Instance *instance = legal(c, MODE_ANY, "fmi2GetReal");
+    if (!instance) return fmi2Error;
+    if (nvr && (!vr || !value)) return refuse(c, "fmi2GetReal: a null pointer was given");
+    return fmi2_status(instance_get(instance, vr, nvr, value));
+}
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
+{
+    Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING, "fmi2SetReal");
+    if (!instance) return fmi2Error;
+    if (nvr && (!vr || !value)) return refuse(c, "fmi2SetReal: a null pointer was given");
+    return fmi2_status(instance_set(instance, vr, nvr, value));
+}
+
+/* The cable has real variables only: an empty list is fine, anything else a mistake. */
+static fmi2Status no_variables(fmi2Component c, size_t count)
+{
+    if (!c) return fmi2Error;
+    return count ? refuse(c, "the cable has no variables but those of type Real") : fmi2OK;
+}
+
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
+{
+    (void)vr, (void)value;
+    return no_variables(c, nvr);
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
+{
+    (void)vr, (void)value;
+    return no_variables(c, nvr);
+}
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
+{
+    (void)vr, (void)value;
+    return no_variables(c, nvr);
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[])
+{
+    (void)vr, (void)value;
+    return no_variables(c, nvr);
+}
+
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[])
+{
+    (void)vr, (void)value;
+    return no_variables(c, nvr);
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
+{
+    (void)vr, (void)value;
+    return no_variables(c, nvr);
+}
+
+/* --- what the description says is not offered --- */
+
+static fmi2Status not_offered(fmi2Component c, const char *message)
+{
+    return refuse(c, message);
+}
+
+static const char NO_STATE[] = "getting and setting the complete state is not offered (canGetAndSetFMUstate = false)";
+static const char NO_DERIVATIVE[] = "directional derivatives are not offered (providesDirectionalDerivative = false)";
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
+{
+    (void)FMUstate;
+    return not_offered(c, NO_STATE);
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
+{
+    (void)FMUstate;
+    return not_offered(c, NO_STATE);
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
+{
+    return !FMUstate || !*FMUstate ? fmi2OK : not_offered(c, NO_STATE);
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
+{
+    (void)FMUstate, (void)size;
+    return not_offered(c, NO_STATE);
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
+{
+    (void)FMUstate, (void)serializedState, (void)size;
+    return not_offered(c, NO_STATE);
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
+                                   fmi2FMUstate *FMUstate)
+{
+    (void)serializedState, (void)size, (void)FMUstate;
+    return not_offered(c, NO_STATE);
+}
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
+                                        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
+                                        fmi2Real dvUnknown[])
+{
+    (void)vUnknown_ref, (void)nUnknown, (void)vKnown_ref, (void)nKnown, (void)dvKnown, (void)dvUnknown;
+    return not_offered(c, NO_DERIVATIVE);
+}
+
+/* --- Model Exchange --- */
+
+fmi2Status fmi2EnterEventMode(fmi2Component c)
+{
+    Instance *instance = legal(c, MODE_CONTINUOUS | MODE_EVENT, "fmi2EnterEventMode");
+    if (!instance) return fmi2Error;
+    instance->mode = MODE_EVENT;
+    return fmi2OK;
+}
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
+{
+    if (!legal(c, MODE_EVENT, "fmi2NewDiscreteStates")) return fmi2Error;
+    if (!eventInfo) return refuse(c, "fmi2NewDiscreteStates: a null pointer was given");
+    memset(eventInfo, 0, sizeof *eventInfo); /* the cable has no events of its own */
+    return fmi2OK;
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
+{
+    Instance *instance = legal(c, MODE_EVENT, "fmi2EnterContinuousTimeMode");
+    if (!instance) return fmi2Error;
+    instance->mode = MODE_CONTINUOUS;
+    return fmi2OK;
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
+{
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (!legal(c, MODE_CONTINUOUS, "fmi2CompletedIntegratorStep")) return fmi2Error;
+    if (!enterEventMode || !terminateSimulation) return refuse(c, "fmi2CompletedIntegratorStep: a null pointer was given");
+    *enterEventMode = *terminateSimulation = fmi2False;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
+{
+    Instance *instance = legal(c, MODE_EVENT | MODE_CONTINUOUS, "fmi2SetTime");
+    return instance ? fmi2_status(instance_set_time(instance, time)) : fmi2Error;
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx)
+{
+    Instance *instance = legal(c, MODE_CONTINUOUS, "fmi2SetContinuousStates");
+    if (!instance) return fmi2Error;
+    if (!x) return refuse(c, "fmi2SetContinuousStates: a null pointer was given");
+    return fmi2_status(instance_set_states(instance, x, nx));
+}
+
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx)
+{
+    Instance *instance = legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED, "fmi2GetDerivatives");
+    if (!instance) return fmi2Error;
+    if (!derivatives) return refuse(c, "fmi2GetDerivatives: a null pointer was given");
+    return fmi2_status(instance_get_derivatives(instance, derivatives, nx));
+}
+
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni)
+{
+    (void)eventIndicators;
+    if (!c) return fmi2Error;
+    return ni ? refuse(c, "the cable has no event indicators") : fmi2OK;
+}
+
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx)
+{
+    Instance *instance = legal(c, MODE_ANY, "fmi2GetContinuousStates");
+    if (!instance) return fmi2Error;
+    if (!x) return refuse(c, "fmi2GetContinuousStates: a null pointer was given");
+    return fmi2_status(instance_get_states(instance, x, nx));
+}
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx)
+{
+    Instance *instance = legal(c, MODE_ANY, "fmi2GetNominalsOfContinuousStates");
+    if (!instance) return fmi2Error;
+    if (!x_nominal) return refuse(c, "fmi2GetNominalsOfContinuousStates: a null pointer was given");
+    return fmi2_status(instance_nominals(instance, x_nominal, nx));
+}
+
+/* --- Co-Simulation --- */
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                       const fmi2Integer order[], const fmi2Real value[])
+{
+    Instance *instance = legal(c, MODE_SETUP | MODE_STEP, "fmi2SetRealInputDerivatives");
+    if (!instance) return fmi2Error;
+    if (nvr && (!vr || !order || !value)) return refuse(c, "fmi2SetRealInputDerivatives: a null pointer was given");
+    for (size_t k = 0; k < nvr; k++)
+        if (instance_set_input_derivative(instance, vr[k], order[k], value[k]) != STATUS_OK) return fmi2Error;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                        const fmi2Integer order[], fmi2Real value[])
+{
+    (void)vr, (void)nvr, (void)order, (void)value;
+    return not_offered(c, "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0)");
+}
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
+                      fmi2Boolean noSetFMUStatePriorToCurrentPoint)
+{
+    (void)noSetFMUStatePriorToCurrentPoint;
+    Instance *instance = legal(c, MODE_STEP, "fmi2DoStep");
+    if (!instance) return fmi2Error;
+    return fmi2_status(instance_step(instance, currentCommunicationPoint, communicationStepSize));
+}
+
+fmi2Status fmi2CancelStep(fmi2Component c)
+{
+    return not_offered(c, "fmi2CancelStep: steps are not asynchronous, there is none to cancel");
+}
+
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
+{
+    (void)s, (void)value;
+    return not_offered(c, "fmi2GetStatus: steps are not asynchronous, fmi2DoStep returns their status");
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
+{
+    const Component *component = c;
+    if (!component) return fmi2Error;
+    if (s != fmi2LastSuccessfulTime || !value) return refuse(c, "fmi2GetRealStatus: only fmi2LastSuccessfulTime is known");
+    *value = component->instance->time;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
+{
+    (void)s, (void)value;
+    return not_offered(c, "fmi2GetIntegerStatus: there is no status of this type");
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
+{
+    if (s != fmi2Terminated || !value) return refuse(c, "fmi2GetBooleanStatus: only fmi2Terminated is known");
+    *value = fmi2False; /* the cable never asks for the end of a simulation */
+    return c ? fmi2OK : fmi2Error;
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
+{
+    (void)s, (void)value;
+    return not_offered(c, "fmi2GetStringStatus: there is no status of this type");
+}

@@ -1,0 +1,364 @@
+/* The FMI 3.0 interface over instance.h: argument checks, legal states, nothing else. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi3Functions.h"
+#include "fmi3_refuse.h"
+#include "instance.h"
+
+typedef struct {
+    Instance *instance;
+    fmi3LogMessageCallback log_message; /* may be NULL */
+    fmi3IntermediateUpdateCallback intermediate_update;
+    fmi3InstanceEnvironment environment;
+} Component;
+
+static fmi3Status fmi3_status(Status status)
+{
+    static const fmi3Status MEANING[] = {fmi3OK, fmi3Warning, fmi3Error};
+    return MEANING[status];
+}
+
+static void log_message(void *owner, Status status, const char *message)
+{
+    const Component *component = owner;
+    if (!component->log_message) return;
+    const char *category = status == STATUS_WARNING ? "logStatusWarning" : "logStatusError";
+    component->log_message(component->environment, fmi3_status(status), category, message);
+}
+
+/* Stage times of a step run ahead and back; nothing may be read there, inputs may be set. */
+static bool ask_host(void *owner, double time)
+{
+    const Component *component = owner;
+    fmi3Boolean early = fmi3False;
+    fmi3Float64 early_time = time;
+    component->intermediate_update(component->environment, time, fmi3True, fmi3False, fmi3False, fmi3False, &early,
+                                   &early_time);
+    return true;
+}
+
+fmi3Status fmi3_refuse(fmi3Instance c, const char *message)
+{
+    if (c) log_message(c, STATUS_ERROR, message);
+    return fmi3Error;
+}
+
+static Instance *legal(fmi3Instance c, unsigned modes, const char *call)
+{
+    Component *component = c;
+    if (!component) return NULL;
+    return instance_allows(component->instance, modes, call) ? component->instance : NULL;
+}
+
+static fmi3Instance instantiate(Component blank, Interface interface, fmi3String token, fmi3String resource_path)
+{
+    Component *component = malloc(sizeof *component);
+    if (!component) return NULL;
+    *component = blank;
+    const Host host = {component, log_message, blank.intermediate_update ? ask_host : NULL};
+    component->instance = instance_new(interface, token, resource_path, host);
+    if (component->instance) return component;
+    free(component);
+    return NULL;
+}
+
+const char *fmi3GetVersion(void)
+{
+    return "3.0";
+}
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[])
+{
+    /* There is nothing to switch: only statuses other than OK are logged, and those always are. */
+    (void)loggingOn, (void)nCategories, (void)categories;
+    return c ? fmi3OK : fmi3Error;
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+                                          fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage)
+{
+    (void)instanceName, (void)visible, (void)loggingOn;
+    const Component blank = {NULL, logMessage, NULL, instanceEnvironment};
+    return instantiate(blank, MODEL_EXCHANGE, instantiationToken, resourcePath);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+                                         fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
+                                         fmi3Boolean earlyReturnAllowed,
+                                         const fmi3ValueReference requiredIntermediateVariables[],
+                                         size_t nRequiredIntermediateVariables,
+                                         fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
+                                         fmi3IntermediateUpdateCallback intermediateUpdate)
+{
+    (void)instanceName, (void)visible, (void)loggingOn, (void)eventModeUsed, (void)earlyReturnAllowed;
+    (void)requiredIntermediateVariables;
+    /* A host that names no intermediate variable has nothing to say inside a step. */
+    const bool wanted = intermediateUpdate && nRequiredIntermediateVariables > 0;
+    const Component blank = {NULL, logMessage, wanted ? intermediateUpdate : NULL, instanceEnvironment};
+    return instantiate(blank, CO_SIMULATION, instantiationToken, resourcePath);
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
+                                               fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                               fmi3InstanceEnvironment instanceEnvironment,
+                                               fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
+                                               fmi3LockPreemptionCallback lockPreemption,
+                                               fmi3UnlockPreemptionCallback unlockPreemption)
+{
+    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
+    (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
+    if (logMessage)
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "Scheduled Execution is not offered");
+    return NULL;
+}
+
+void fmi3FreeInstance(fmi3Instance c)
+{
+    Component *component = c;
+    if (!component) return;
+    instance_free(component->instance);
+    free(component);
+}
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
+                                       fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
+{
+    (void)stopTimeDefined, (void)stopTime;
+    Instance *instance = legal(c, MODE_INSTANTIATED, "fmi3EnterInitializationMode");
+    if (!instance) return fmi3Error;
+    const Status status = instance_setup(instance, startTime, toleranceDefined, tolerance);
+    if (status == STATUS_OK) instance->mode = MODE_INITIALIZATION;
+    return fmi3_status(status);
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
+{
+    Instance *instance = legal(c, MODE_INITIALIZATION, "fmi3ExitInitializationMode");
+    return instance ? fmi3_status(instance_exit_initialization(instance)) : fmi3Error;
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance c)
+{
+    Instance *instance = legal(c, MODE_CONTINUOUS | MODE_EVENT, "fmi3EnterEventMode");
+    if (!instance) return fmi3Error;
+    instance->mode = MODE_EVENT;
+    return fmi3OK;
+}
+
+fmi3Status fmi3Terminate(fmi3Instance c)
+{
+    Instance *instance = legal(c, MODE_RUNNING, "fmi3Terminate");
+    if (!instance) return fmi3Error;
+    instance->mode = MODE_TERMINATED;
+    return fmi3OK;
+}
+
+fmi3Status fmi3Reset(fmi3Instance c)
+{
+    Instance *instance = legal(c, MODE_ANY, "fmi3Reset");
+    return instance ? fmi3_status(instance_reset(instance)) : fmi3Error;
+}
+
+fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                          fmi3Float64 values[], size_t nValues)
+{
+    Instance *instance = legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetFloat64");
+    if (!instance) return fmi3Error;
+    if (nValueReferences && (!valueReferences || !values)) return fmi3_refuse(c, "fmi3GetFloat64: a null pointer was given");
+    if (nValues != nValueReferences) return fmi3_refuse(c, "fmi3GetFloat64: as many values as references are expected");
+    return fmi3_status(instance_get(instance, valueReferences, nValueReferences, values));
+}
+
+fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                          const fmi3Float64 values[], size_t nValues)
+{
+    Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING | MODE_INTERMEDIATE, "fmi3SetFloat64");
+    if (!instance) return fmi3Error;
+    if (nValueReferences && (!valueReferences || !values)) return fmi3_refuse(c, "fmi3SetFloat64: a null pointer was given");
+    if (nValues != nValueReferences) return fmi3_refuse(c, "fmi3SetFloat64: as many values as references are expected");
+    return fmi3_status(instance_set(instance, valueReferences, nValueReferences, values));
+}
+
+/* The cable has Float64 variables only: an empty list is fine, anything else a mistake. */
+static fmi3Status no_variables(fmi3Instance c, size_t count)
+{
+    if (!c) return fmi3Error;
+    return count ? fmi3_refuse(c, "the cable has no variables but those of type Float64") : fmi3OK;
+}
+
+#define TYPE_WITHOUT_VARIABLES(Type)                                                                        \
+    fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
+                             fmi3##Type values[], size_t nValues)                                           \
+    {                                                                                                       \
+        (void)references, (void)values, (void)nValues;                                                      \
+        return no_variables(c, count);                                                                      \
+    }                                                                                                       \
+    fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
+                             const fmi3##Type values[], size_t nValues)                                     \
+    {                                                                                                       \
+        (void)references, (void)values, (void)nValues;                                                      \
+        return no_variables(c, count);                                                                      \
+    }
+
+TYPE_WITHOUT_VARIABLES(Float32)
+TYPE_WITHOUT_VARIABLES(Int8)
+TYPE_WITHOUT_VARIABLES(UInt8)
+TYPE_WITHOUT_VARIABLES(Int16)
+TYPE_WITHOUT_VARIABLES(UInt16)
+TYPE_WITHOUT_VARIABLES(Int32)
+TYPE_WITHOUT_VARIABLES(UInt32)
+TYPE_WITHOUT_VARIABLES(Int64)
+TYPE_WITHOUT_VARIABLES(UInt64)
+TYPE_WITHOUT_VARIABLES(Boolean)
+TYPE_WITHOUT_VARIABLES(String)
+
+fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference references[], size_t count, size_t valueSizes[],
+                         fmi3Binary values[], size_t nValues)
+{
+    (void)references, (void)valueSizes, (void)values, (void)nValues;
+    return no_variables(c, count);
+}
+
+fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference references[], size_t count, const size_t valueSizes[],
+                         const fmi3Binary values[], size_t nValues)
+{
+    (void)references, (void)valueSizes, (void)values, (void)nValues;
+    return no_variables(c, count);
+}
+
+fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference references[], size_t count, fmi3Clock values[])
+{
+    (void)references, (void)values;
+    return no_variables(c, count);
+}
+
+fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference references[], size_t count, const fmi3Clock values[])
+{
+    (void)references, (void)values;
+    return no_variables(c, count);
+}
+
+/* --- Model Exchange --- */
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesNeedUpdate,
+                                    fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
+                                    fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
+                                    fmi3Float64 *nextEventTime)
+{
+    if (!legal(c, MODE_EVENT, "fmi3UpdateDiscreteStates")) return fmi3Error;
+    /* The cable has no events of its own. */
+    fmi3Boolean *const answer[] = {discreteStatesNeedUpdate, terminateSimulation, nominalsOfContinuousStatesChanged,
+                                   valuesOfContinuousStatesChanged, nextEventTimeDefined};
+    for (size_t k = 0; k < sizeof answer / sizeof *answer; k++)
+        if (answer[k]) *answer[k] = fmi3False;
+    if (nextEventTime) *nextEventTime = 0.0;
+    return fmi3OK;
+}
+
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c)
+{
+    return legal(c, MODE_EVENT, "fmi3EvaluateDiscreteStates") ? fmi3OK : fmi3Error;
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
+{
+    Instance *instance = legal(c, MODE_EVENT, "fmi3EnterContinuousTimeMode");
+    if (!instance) return fmi3Error;
+    instance->mode = MODE_CONTINUOUS;
+    return fmi3OK;
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
+{
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (!legal(c, MODE_CONTINUOUS, "fmi3CompletedIntegratorStep")) return fmi3Error;
+    if (enterEventMode) *enterEventMode = fmi3False;
+    if (terminateSimulation) *terminateSimulation = fmi3False;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time)
+{
+    Instance *instance = legal(c, MODE_EVENT | MODE_CONTINUOUS, "fmi3SetTime");
+    return instance ? fmi3_status(instance_set_time(instance, time)) : fmi3Error;
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousStates[], size_t nContinuousStates)
+{
+    Instance *instance = legal(c, MODE_CONTINUOUS, "fmi3SetContinuousStates");
+    if (!instance) return fmi3Error;
+    if (!continuousStates) return fmi3_refuse(c, "fmi3SetContinuousStates: a null pointer was given");
+    return fmi3_status(instance_set_states(instance, continuousStates, nContinuousStates));
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[], size_t nContinuousStates)
+{
+    Instance *instance =
+        legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED, "fmi3GetContinuousStateDerivatives");
+    if (!instance) return fmi3Error;
+    if (!derivatives) return fmi3_refuse(c, "fmi3GetContinuousStateDerivatives: a null pointer was given");
+    return fmi3_status(instance_get_derivatives(instance, derivatives, nContinuousStates));
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 eventIndicators[], size_t nEventIndicators)
+{
+    (void)eventIndicators;
+    if (!c) return fmi3Error;
+    return nEventIndicators ? fmi3_refuse(c, "the cable has no event indicators") : fmi3OK;
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[], size_t nContinuousStates)
+{
+    Instance *instance = legal(c, MODE_ANY, "fmi3GetContinuousStates");
+    if (!instance) return fmi3Error;
+    if (!continuousStates) return fmi3_refuse(c, "fmi3GetContinuousStates: a null pointer was given");
+    return fmi3_status(instance_get_states(instance, continuousStates, nContinuousStates));
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t nContinuousStates)
+{
+    Instance *instance = legal(c, MODE_ANY, "fmi3GetNominalsOfContinuousStates");
+    if (!instance) return fmi3Error;
+    if (!nominals) return fmi3_refuse(c, "fmi3GetNominalsOfContinuousStates: a null pointer was given");
+    return fmi3_status(instance_nominals(instance, nominals, nContinuousStates));
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *nEventIndicators)
+{
+    if (!c || !nEventIndicators) return fmi3_refuse(c, "fmi3GetNumberOfEventIndicators: a null pointer was given");
+    *nEventIndicators = 0;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *nContinuousStates)
+{
+    if (!c || !nContinuousStates) return fmi3_refuse(c, "fmi3GetNumberOfContinuousStates: a null pointer was given");
+    *nContinuousStates = (size_t)model_states(&((const Component *)c)->instance->model);
+    return fmi3OK;
+}
+
+/* --- Co-Simulation --- */
+
+fmi3Status fmi3EnterStepMode(fmi3Instance c)
+{
+    /* hasEventMode = false: the instance is in step mode from the end of initialization. */
+    return legal(c, MODE_STEP, "fmi3EnterStepMode") ? fmi3OK : fmi3Error;
+}
+
+fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
+                      fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
+                      fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
+{
+    (void)noSetFMUStatePriorToCurrentPoint;
+    Instance *instance = legal(c, MODE_STEP, "fmi3DoStep");
+    if (!instance) return fmi3Error;
+    const Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
+    if (eventHandlingNeeded) *eventHandlingNeeded = fmi3False;
+    if (terminateSimulation) *terminateSimulation = fmi3False;
+    if (earlyReturn) *earlyReturn = fmi3False;
+    if (lastSuccessfulTime) *lastSuccessfulTime = instance->time;
+    return fmi3_status(status);
+}

@@ -1,0 +1,163 @@
+#include "instance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double DEFAULT_TOLERANCE = 1e-6, LEAST_TOLERANCE = 1e-13, MOST_TOLERANCE = 1e-1;
+
+Status instance_fail(Instance *instance, const Text *message)
+{
+    instance->host.log(instance->host.owner, STATUS_ERROR, message->line);
+    return STATUS_ERROR;
+}
+
+bool instance_allows(Instance *instance, unsigned modes, const char *call)
+{
+    static const struct {
+        Mode mode;
+        const char *name;
+    } NAMES[] = {{MODE_INSTANTIATED, "before initialization"},
+                 {MODE_INITIALIZATION, "in initialization mode"},
+                 {MODE_EVENT, "in event mode"},
+                 {MODE_CONTINUOUS, "in continuous-time mode"},
+                 {MODE_STEP, "between communication steps"},
+                 {MODE_INTERMEDIATE, "inside a communication step"},
+                 {MODE_TERMINATED, "after termination"},
+                 {MODE_FAILED, "after an error"}};
+    if (instance->mode & modes) return true;
+    Text text;
+    text_start(&text);
+    text_add(&text, call);
+    text_add(&text, " is not allowed ");
+    for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++)
+        if (NAMES[k].mode == instance->mode) text_add(&text, NAMES[k].name);
+    text_add(&text, instance->interface == CO_SIMULATION ? " (Co-Simulation)" : " (Model Exchange)");
+    instance_fail(instance, &text);
+    return false;
+}
+
+/* State, inputs, parameters and solver as after instantiation; the arrays stay where they are. */
+static void start_over(Instance *instance)
+{
+    const Resource *resource = &instance->resource;
+    Model *model = &instance->model;
+    const size_t half = (size_t)model->n + 1;
+    memcpy(model->parameter, resource->parameter, sizeof model->parameter);
+    memcpy(instance->x, resource->position, half * sizeof *instance->x);
+    memcpy(instance->x + half, resource->velocity, half * sizeof *instance->x);
+    memcpy(instance->u, resource->input_start, sizeof instance->u);
+    memset(instance->u_derivative, 0, sizeof instance->u_derivative);
+    memset(&instance->solver, 0, sizeof instance->solver);
+    instance->solver.tolerance = DEFAULT_TOLERANCE;
+    instance->time = instance->step_start = 0.0;
+    instance->mode = MODE_INSTANTIATED;
+    invalidate_model(instance);
+}
+
+/* The constants that the resource file gives, and where every array lives in the one block. */
+static void lay_out(Instance *instance)
+{
+    const Resource *resource = &instance->resource;
+    Model *model = &instance->model;
+    const int n = (int)resource->n;
+    model->n = n;
+    model->terminal = (Terminal)resource->terminal;
+    model->drag = (Drag)resource->drag;
+    model->present = resource->present;
+    memcpy(model->rest, resource->rest, sizeof model->rest);
+    for (size_t column = 0; column < LINK_COLUMNS; column++)
+        model->link[column] = resource->link + column * (size_t)n;
+
+    double *next = instance->block;
+    const size_t states = (size_t)model_states(model);
+    instance->x = next, next += states;
+    instance->derivative = next, next += states;
+    model_layout(model, next), next += model_doubles(n);
+    work_layout(&instance->work, n, next), next += work_doubles(n);
+    instance->solver_block = next;
+}
+
+static Instance *refuse(Instance *instance, const Text *why)
+{
+    instance_fail(instance, why);
+    instance_free(instance);
+    return NULL;
+}
+
+Instance *instance_new(Interface interface, const char *token, const char *resource_directory, Host host)
+{
+    Text why;
+    text_start(&why);
+    Instance *instance = calloc(1, sizeof *instance);
+    if (!instance) {
+        host.log(host.owner, STATUS_ERROR, "out of memory");
+        return NULL;
+    }
+    instance->host = host;
+    instance->interface = interface;
+    if (!resource_read(&instance->resource, resource_directory, &why)) return refuse(instance, &why);
+
+    char expected[39];
+    resource_token(&instance->resource, expected);
+    if (!token || strcmp(token, expected) != 0) {
+        text_add(&why, "the guid or instantiation token ");
+        text_add(&why, token ? token : "(none)");
+        text_add(&why, " does not belong to " RESOURCE_NAME ", whose token is ");
+        text_add(&why, expected);
+        return refuse(instance, &why);
+    }
+    const int n = (int)instance->resource.n;
+    const size_t states = 2u * ((size_t)n + 1u);
+    instance->block = calloc(2 * states + model_doubles(n) + work_doubles(n) + explicit_doubles(n), sizeof(double));
+    if (!instance->block) {
+        text_add(&why, "out of memory");
+        return refuse(instance, &why);
+    }
+    lay_out(instance);
+    start_over(instance);
+    return instance;
+}
+
+void instance_free(Instance *instance)
+{
+    if (!instance) return;
+    resource_free(&instance->resource);
+    free(instance->block);
+    free(instance);
+}
+
+Status instance_reset(Instance *instance)
+{
+    start_over(instance);
+    return STATUS_OK;
+}
+
+Status instance_setup(Instance *instance, double start_time, bool has_tolerance, double tolerance)
+{
+    Text text;
+    text_start(&text);
+    if (!isfinite(start_time)) {
+        text_add(&text, "start time ");
+        text_number(&text, start_time);
+        text_add(&text, ": a finite number of seconds is expected");
+        return instance_fail(instance, &text);
+    }
+    if (has_tolerance && !(tolerance > 0.0 && isfinite(tolerance))) {
+        text_add(&text, "tolerance ");
+        text_number(&text, tolerance);
+        text_add(&text, ": a number above 0 is expected");
+        return instance_fail(instance, &text);
+    }
+    instance->time = instance->step_start = start_time;
+    if (has_tolerance) instance->solver.tolerance = fmin(fmax(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE);
+    return STATUS_OK;
+}
+
+Status instance_exit_initialization(Instance *instance)
+{
+    if (!refresh_derivatives(instance)) return STATUS_ERROR;
+    solver_restart(&instance->solver);
+    instance->mode = instance->interface == CO_SIMULATION ? MODE_STEP : MODE_EVENT;
+    return STATUS_OK;
+}

@@ -1,0 +1,103 @@
+/*
+ * One instance of a cable FMU, whatever the version of FMI: the adapters fmi2.c and fmi3.c translate.
+ *
+ * Model and parameters, state, inputs and solver memory are apart. What is derived (model constants,
+ * derivatives, outputs) is recomputed only when something it depends on was set. No function here
+ * keeps data outside its instance, and none allocates but instance_new().
+ */
+#ifndef CABLE_INSTANCE_H
+#define CABLE_INSTANCE_H
+
+#include "../kernel/dynamics.h"
+#include "../kernel/solver.h"
+#include "resource.h"
+#include "text.h"
+
+/* Time derivatives of an input that a host may give for a communication step (FMI 2), orders 1 ... */
+enum { INPUT_ORDERS = 5 };
+
+typedef enum { STATUS_OK, STATUS_WARNING, STATUS_ERROR } Status;
+typedef enum { MODEL_EXCHANGE, CO_SIMULATION } Interface;
+
+/* States of the FMI state machines, as bits for the masks of legal calls. */
+typedef enum {
+    MODE_INSTANTIATED = 1,
+    MODE_INITIALIZATION = 2,
+    MODE_EVENT = 4,           /* Model Exchange */
+    MODE_CONTINUOUS = 8,      /* Model Exchange */
+    MODE_STEP = 16,           /* Co-Simulation, between communication steps */
+    MODE_INTERMEDIATE = 32,   /* Co-Simulation, inside a step, during a call-back to the host */
+    MODE_TERMINATED = 64,
+    MODE_FAILED = 128,        /* after an error that ended a step: read, reset or free */
+    MODE_RUNNING = MODE_EVENT | MODE_CONTINUOUS | MODE_STEP,
+    MODE_SETUP = MODE_INSTANTIATED | MODE_INITIALIZATION,
+    MODE_ANY = 255
+} Mode;
+
+typedef struct Instance Instance;
+
+/* How the adapter talks to its host. `owner` is the adapter's own record. */
+typedef struct {
+    void *owner;
+    void (*log)(void *owner, Status status, const char *message);
+    /* FMI 3: ask the host for the inputs at `time` inside a step; false to give up. NULL: not used. */
+    bool (*intermediate)(void *owner, double time);
+} Host;
+
+struct Instance {
+    Host host;
+    Interface interface;
+    Mode mode;
+    Resource resource;
+    double *block; /* all arrays below */
+
+    Model model;
+    Work work;
+    double time, step_start;
+    double *x, *derivative, *solver_block;
+    double u[INPUT_COUNT], u_derivative[INPUT_ORDERS][INPUT_COUNT], output[OUTPUT_COUNT];
+    bool model_is_current, derivatives_are_current, outputs_are_current, tensions_are_current;
+    SolverMemory solver;
+};
+
+/* NULL, after a message through the host, if the resource file is missing, damaged or not of this token. */
+Instance *instance_new(Interface interface, const char *token, const char *resource_directory, Host host);
+void instance_free(Instance *instance);
+Status instance_reset(Instance *instance);
+
+/* Whether `call` is legal now; says so if it is not. */
+bool instance_allows(Instance *instance, unsigned modes, const char *call);
+Status instance_fail(Instance *instance, const Text *message);
+
+/* Experiment: start time [s] and, if positive, tolerance. */
+Status instance_setup(Instance *instance, double start_time, bool has_tolerance, double tolerance);
+Status instance_exit_initialization(Instance *instance);
+
+/* Values by reference; nothing is changed by a call that fails. */
+Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values);
+Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values);
+Status instance_set_input_derivative(Instance *instance, uint32_t reference, int order, double value);
+
+/* Model Exchange. */
+Status instance_set_time(Instance *instance, double time);
+Status instance_set_states(Instance *instance, const double *x, size_t count);
+Status instance_get_states(Instance *instance, double *x, size_t count);
+Status instance_get_derivatives(Instance *instance, double *derivative, size_t count);
+Status instance_nominals(Instance *instance, double *nominals, size_t count);
+
+/* Co-Simulation: from the present time to communication_point + step. */
+Status instance_step(Instance *instance, double communication_point, double step);
+
+/* Bring what is derived up to date (refresh.c); false after a message. */
+void refresh_model(Instance *instance);
+bool refresh_derivatives(Instance *instance);
+bool refresh_outputs(Instance *instance, bool with_tensions);
+void invalidate_state(Instance *instance);
+void invalidate_model(Instance *instance);
+
+/* Name of state k for messages: y_m1, theta[1], ..., v_m1, omega[1], ... */
+void text_state(Text *text, const Instance *instance, size_t k);
+void text_at_time(Text *text, double time);
+extern const char *const INPUT_NAME[];
+
+#endif

@@ -1,0 +1,114 @@
+#include <math.h>
+
+#include "instance.h"
+
+#define PARAMETER(name, unit, least, description)
+#define INPUT(name, unit, description) #name,
+#define OUTPUT(name, unit, nominal, description)
+const char *const INPUT_NAME[] = {
+#include "../kernel/variables.def"
+};
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+
+void text_state(Text *text, const Instance *instance, size_t k)
+{
+    const size_t half = (size_t)instance->model.n + 1;
+    if (k % half == 0) {
+        text_add(text, k ? "v_m1" : "y_m1");
+        return;
+    }
+    text_add(text, k < half ? "theta[" : "omega[");
+    text_integer(text, k % half);
+    text_add(text, "]");
+}
+
+void text_at_time(Text *text, double time)
+{
+    text_add(text, " at t = ");
+    text_number(text, time);
+    text_add(text, " s");
+}
+
+void invalidate_state(Instance *instance)
+{
+    instance->derivatives_are_current = instance->outputs_are_current = instance->tensions_are_current = false;
+}
+
+void invalidate_model(Instance *instance)
+{
+    instance->model_is_current = false;
+    invalidate_state(instance);
+}
+
+void refresh_model(Instance *instance)
+{
+    if (!instance->model_is_current) model_prepare(&instance->model);
+    instance->model_is_current = true;
+}
+
+/* A state that the kernel cannot take: not a number, or an angle beyond the range of sine and cosine. */
+static bool state_is_usable(Instance *instance)
+{
+    Text text;
+    text_start(&text);
+    for (size_t k = 0; k < (size_t)model_states(&instance->model); k++) {
+        if (isfinite(instance->x[k])) continue;
+        text_state(&text, instance, k);
+        text_add(&text, " is ");
+        text_number(&text, instance->x[k]);
+        text_at_time(&text, instance->time);
+        text_add(&text, ": a finite number is expected");
+        instance_fail(instance, &text);
+        return false;
+    }
+    const int link = angle_out_of_range(&instance->model, instance->x);
+    if (!link) return true;
+    text_state(&text, instance, (size_t)link);
+    text_add(&text, " is ");
+    text_number(&text, instance->x[link]);
+    text_add(&text, " rad");
+    text_at_time(&text, instance->time);
+    text_add(&text, ": the link has wound up beyond 1.6e6 rad");
+    instance_fail(instance, &text);
+    return false;
+}
+
+bool refresh_derivatives(Instance *instance)
+{
+    if (instance->derivatives_are_current) return true;
+    refresh_model(instance);
+    if (!state_is_usable(instance)) return false;
+    cable_derivatives(&instance->model, instance->x, instance->u, &instance->work, instance->derivative);
+    const size_t states = (size_t)model_states(&instance->model);
+    for (size_t k = 0; k < states; k++) {
+        if (isfinite(instance->derivative[k])) continue;
+        Text text;
+        text_start(&text);
+        text_add(&text, "the derivative of ");
+        text_state(&text, instance, k);
+        text_add(&text, " is not finite");
+        text_at_time(&text, instance->time);
+        text_add(&text, ": forces or rates are beyond the range of numbers");
+        instance_fail(instance, &text);
+        return false;
+    }
+    instance->derivatives_are_current = true;
+    return true;
+}
+
+bool refresh_outputs(Instance *instance, bool with_tensions)
+{
+    if (with_tensions ? instance->tensions_are_current : instance->outputs_are_current) return true;
+    if (with_tensions && !refresh_derivatives(instance)) return false;
+    refresh_model(instance);
+    if (!state_is_usable(instance)) return false;
+    /* Work belongs to the present state only while the derivatives do. */
+    const bool has_derivatives = with_tensions && instance->derivatives_are_current;
+    cable_outputs(&instance->model, instance->x, instance->derivative, &instance->work, instance->output,
+                  has_derivatives);
+    instance->outputs_are_current = true;
+    instance->tensions_are_current = has_derivatives;
+    return true;
+}

@@ -1,0 +1,46 @@
+/*
+ * resources/cable.bin: the scene's numbers and its table of variables.
+ *
+ *   "CABLEFMU"                                        8 bytes
+ *   version, n, terminal, drag                        4 x uint32
+ *   present                                           uint64, bit P_x: the scene has parameter x
+ *   parameters, inputs, outputs, variables            4 x uint32, counts
+ *   parameter[parameters], input_start[inputs], rest[2], link[8][n], position[n + 1], velocity[n + 1]    doubles
+ *   (kind, index)[variables]                          2 x uint32 each, in order of value references
+ *
+ * All little-endian, nothing behind the end. The token of the FMU (guid, instantiationToken) is made of
+ * the file's SHA-256, so a description and a resource file that do not belong together are refused.
+ */
+#ifndef CABLE_RESOURCE_H
+#define CABLE_RESOURCE_H
+
+#include "../kernel/model.h"
+#include "text.h"
+
+#define RESOURCE_NAME "cable.bin"
+#define RESOURCE_VERSION 1u
+#define MOST_LINKS 10000u
+
+typedef enum { VARIABLE_TIME, VARIABLE_PARAMETER, VARIABLE_INPUT, VARIABLE_STATE, VARIABLE_DERIVATIVE, VARIABLE_OUTPUT } VariableKind;
+
+typedef struct {
+    uint32_t kind, index;
+} Variable;
+
+typedef struct {
+    uint8_t *bytes; /* the whole file; everything below points into it */
+    size_t size;
+    uint32_t n, terminal, drag, variables;
+    uint64_t present;
+    const double *parameter, *input_start, *rest, *link, *position, *velocity;
+    const Variable *variable;
+} Resource;
+
+/* Reads DIRECTORY/cable.bin, DIRECTORY being a path or a file: URI. On failure false, and why. */
+bool resource_read(Resource *resource, const char *directory, Text *why);
+void resource_free(Resource *resource);
+
+/* "{8-4-4-4-12}" of the first 16 bytes of the SHA-256 of the file. */
+void resource_token(const Resource *resource, char token[39]);
+
+#endif

@@ -1,0 +1,93 @@
+#include <math.h>
+#include <string.h>
+
+#include "instance.h"
+
+/* The inputs inside a step: from the host if it wants to be asked, else the polynomial that it gave. */
+static bool inputs_at(void *source, double time, double *u)
+{
+    Instance *instance = source;
+    if (instance->host.intermediate) {
+        const Mode mode = instance->mode;
+        instance->mode = MODE_INTERMEDIATE;
+        const bool given = instance->host.intermediate(instance->host.owner, time);
+        instance->mode = mode;
+        memcpy(u, instance->u, sizeof instance->u);
+        return given;
+    }
+    const double ahead = time - instance->step_start;
+    for (int k = 0; k < INPUT_COUNT; k++) {
+        /* u + u' s + u'' s^2/2 + ... by Horner: (((u5 s/5 + u4) s/4 + u3) s/3 + ...) */
+        double sum = 0.0;
+        for (int order = INPUT_ORDERS; order >= 1; order--)
+            sum = (sum + instance->u_derivative[order - 1][k]) * ahead / order;
+        u[k] = instance->u[k] + sum;
+        if (!isfinite(u[k])) return false;
+    }
+    return true;
+}
+
+static const char *reason(SolverStatus status)
+{
+    switch (status) {
+    case SOLVER_TOO_MANY_STEPS:
+        return "the step was given up after 1,000,000 attempts; the cable is too stiff for the explicit solver at this tolerance";
+    case SOLVER_STEP_TOO_SMALL:
+        return "the error asks for steps below the resolution of time; the motion is too violent or the tolerance too tight";
+    case SOLVER_ANGLE_TOO_LARGE: return "a link has wound up beyond 1.6e6 rad";
+    case SOLVER_INPUT_FAILED: return "an input is not a finite number, or the host gave none";
+    default: return "";
+    }
+}
+
+static Status give_up(Instance *instance, SolverStatus status)
+{
+    Text text;
+    text_start(&text);
+    text_add(&text, "doStep ended");
+    text_at_time(&text, instance->time);
+    text_add(&text, ": ");
+    text_add(&text, reason(status));
+    instance->mode = MODE_FAILED;
+    return instance_fail(instance, &text);
+}
+
+static Status check_step(Instance *instance, double communication_point, double step)
+{
+    Text text;
+    text_start(&text);
+    text_add(&text, "doStep");
+    text_at_time(&text, instance->time);
+    if (!(isfinite(step) && step > 0.0)) {
+        text_add(&text, ": communication step ");
+        text_number(&text, step);
+        text_add(&text, " s; a number above 0 is expected");
+        return instance_fail(instance, &text);
+    }
+    /* Hosts that add up their steps drift by rounding; anything more is a mistake. */
+    const double drift = fabs(communication_point - instance->time);
+    if (!(drift <= 1e-9 * fmax(fmax(fabs(instance->time), step), 1e-3))) {
+        text_add(&text, ": communication point ");
+        text_number(&text, communication_point);
+        text_add(&text, " s is not where the last step ended");
+        return instance_fail(instance, &text);
+    }
+    return STATUS_OK;
+}
+
+Status instance_step(Instance *instance, double communication_point, double step)
+{
+    if (check_step(instance, communication_point, step) != STATUS_OK) return STATUS_ERROR;
+    refresh_model(instance);
+    const System system = {&instance->model, &instance->work, inputs_at, instance};
+    const double end = communication_point + step;
+    instance->step_start = instance->time;
+    const SolverStatus status =
+        explicit_advance(&system, &instance->solver, instance->solver_block, &instance->time, end, instance->x);
+    invalidate_state(instance);
+    if (status != SOLVER_OK) return give_up(instance, status);
+    /* Outputs at the end see the inputs of the end; what the host said of their slopes is used up. */
+    if (!inputs_at(instance, end, instance->u)) return give_up(instance, SOLVER_INPUT_FAILED);
+    memset(instance->u_derivative, 0, sizeof instance->u_derivative);
+    return STATUS_OK;
+}

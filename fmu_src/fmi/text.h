@@ -1,0 +1,21 @@
+/*
+ * Messages without printf: the host's locale must not turn a point into a comma, and a message that is
+ * too long is cut, not overrun.
+ */
+#ifndef CABLE_TEXT_H
+#define CABLE_TEXT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct {
+    char line[512];
+    size_t used;
+} Text;
+
+void text_start(Text *text);
+void text_add(Text *text, const char *string);      /* NULL counts as "" */
+void text_integer(Text *text, uint64_t value);
+void text_number(Text *text, double value);         /* seven significant digits; nan, inf, -inf by name */
+
+#endif

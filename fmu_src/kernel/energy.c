@@ -1,0 +1,26 @@
+#include "dynamics.h"
+
+/*
+ * E = floater + joint springs + terminal + sum over links of
+ *     m V_c^2 / 2 + I_R w^2 / 2 - m^w g Y_c,   c the link's centre.
+ * J0_i - m l^2/4 is I_R, with I_Rc on the last link. External forces are left out.
+ */
+double cable_energy(const Model *model, const double *x, const Work *work)
+{
+    const int n = model->n;
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *rate = x + n + 2;
+    double y = x[0], vx = 0.0, vy = x[n + 1], energy = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double l = length[i], swing = 0.5 * l * rate[i];
+        const double step_x = swing * work->cosine[i], step_y = -swing * work->sine[i];
+        const double cx = vx + step_x, cy = vy + step_y;
+        const double inertia = model->link[LINK_INERTIA][i] + (i == n - 1 ? model->end_inertia : 0.0);
+        energy += 0.5 * mass[i] * (cx * cx + cy * cy) + 0.5 * inertia * rate[i] * rate[i] -
+                  model->weight[i] * (y + 0.5 * l * work->cosine[i]);
+        y += l * work->cosine[i];
+        vx += 2.0 * step_x;
+        vy += 2.0 * step_y;
+    }
+    return energy + joint_energy(model, x) + floater_energy(model, x) +
+           terminal_energy(model, work->end_position, work->end_velocity);
+}

@@ -1,0 +1,122 @@
+/*
+ * The cable as the kernel sees it: constants in `Model`, scratch in `Work`, the state outside both.
+ *
+ * State vector x = (q, q'), length 2 (n + 1): q = (y_m1, theta_1 ... theta_n), heave of floater 1 [m,
+ * positive down] and absolute link angles [rad from the downward vertical, positive towards +x].
+ * Link i has unit vector e = (sin th, cos th) and normal n = de/dth = (cos th, -sin th).
+ * Brackets such as [5.4] are equations of Pouzada's dissertation (FURG, 2015); docs/model.md restates them.
+ */
+#ifndef CABLE_MODEL_H
+#define CABLE_MODEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define PARAMETER(name, unit, least, description) P_##name,
+#define INPUT(name, unit, description)
+#define OUTPUT(name, unit, nominal, description)
+typedef enum {
+#include "variables.def"
+    PARAMETER_COUNT
+} Parameter;
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+
+#define PARAMETER(name, unit, least, description)
+#define INPUT(name, unit, description) U_##name,
+#define OUTPUT(name, unit, nominal, description)
+typedef enum {
+#include "variables.def"
+    INPUT_COUNT
+} Input;
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+
+#define PARAMETER(name, unit, least, description)
+#define INPUT(name, unit, description)
+#define OUTPUT(name, unit, nominal, description) Y_##name,
+typedef enum {
+#include "variables.def"
+    OUTPUT_COUNT
+} Output;
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+
+/* What hangs at P_n; numbers as in the resource file. */
+typedef enum { TERMINAL_LOAD, TERMINAL_ANCHOR_MASS, TERMINAL_ANCHOR_SPRING, TERMINAL_FLOATER, TERMINAL_COUNT } Terminal;
+
+/* How the normal drag of a link is given. */
+typedef enum { DRAG_NONE, DRAG_COEFFICIENT, DRAG_PER_LINK, DRAG_COUNT } Drag;
+
+/* Given per link in the resource file, each of shape (n,), link 1 at the top first. */
+typedef enum {
+    LINK_LENGTH,          /* l_i [m] */
+    LINK_MASS,            /* m_i [kg] */
+    LINK_INERTIA,         /* I_Ri about the link's centre [kg m^2] */
+    LINK_VOLUME,          /* displaced [m^3] */
+    LINK_JOINT_STIFFNESS, /* k_i of the joint at the link's top [N m/rad] */
+    LINK_JOINT_DAMPING,   /* c_i likewise [N m s/rad] */
+    LINK_DRAG_AREA,       /* D_i l_i [m^2] */
+    LINK_DRAG,            /* Cd_i [-] or c_v,i [N s^2/m^2], by Drag */
+    LINK_COLUMNS
+} LinkColumn;
+
+/* Constant during a run. The upper half comes from the resource file and the parameters, the lower half
+ * is derived of it by model_prepare(). */
+typedef struct {
+    int n; /* links */
+    Terminal terminal;
+    Drag drag;
+    uint64_t present; /* bit P_x is set where the scene has parameter x */
+    double parameter[PARAMETER_COUNT];
+    double rest[2];                     /* (x_0, y_0) of the terminal's springs [m] */
+    const double *link[LINK_COLUMNS];   /* as given */
+
+    bool has_stiffness, has_damping, has_drag, has_spring;
+    double *stiffness, *damping;        /* k_i, c_i [N m/rad], [N m s/rad] */
+    double *weight;                     /* submerged, m_i^w g [N] */
+    double *drag_factor;                /* c in f = -c |v_n| v_n [N s^2/m^2] */
+    double *rotary;                     /* J0_i = I_Ri + m_i l_i^2/4, and I_Rc on the last link [kg m^2] */
+    double end_mass, end_weight;        /* m_c (or M_2) [kg], submerged weight [N] */
+    double end_inertia;                 /* I_Rc [kg m^2] */
+    double spring[2], damper[2];        /* of the terminal, along x and y [N/m], [N s/m] */
+    double preload[2];                  /* constant force of the terminal's support along x, y [N] */
+} Model;
+
+/* Scratch of one evaluation. Nothing in it outlives the call that filled it, except that outputs read
+ * what derivatives left there for the same (x, u). */
+typedef struct {
+    double *sine, *cosine;              /* of every link angle */
+    double *torque;                     /* T_{i+1} - T_i, joint torques on link i [N m] */
+    double *load_x, *load_y;            /* W_i: submerged weight and drag on link i [N] */
+    double *gain_x, *gain_y;            /* g_i of the elimination [kg m] */
+    double *moment, *inverse;           /* s_i [N m], 1/J_i */
+    double end_force[2];                /* all force on the terminal besides the cable's pull [N] */
+    double end_position[2], end_velocity[2];
+} Work;
+
+/* Doubles that model_layout() and work_layout() carve out of one block each. */
+size_t model_doubles(int n);
+size_t work_doubles(int n);
+void model_layout(Model *model, double *block);
+void work_layout(Work *work, int n, double *block);
+
+/* Derived constants from given ones; call after every change of a parameter. */
+void model_prepare(Model *model);
+
+static inline bool model_has(const Model *model, Parameter parameter)
+{
+    return (model->present >> parameter) & 1u;
+}
+
+/* Number of states, 2 (n + 1). */
+static inline int model_states(const Model *model)
+{
+    return 2 * (model->n + 1);
+}
+
+#endif

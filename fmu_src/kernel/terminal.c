@@ -1,0 +1,49 @@
+#include "dynamics.h"
+
+/* P_n = (0, y_m) + sum l_i e_i and its velocity (0, y_m') + sum l_i w_i n_i. */
+void terminal_motion(const Model *model, const double *x, const Work *work, double position[2], double velocity[2])
+{
+    const int n = model->n;
+    const double *length = model->link[LINK_LENGTH], *rate = x + n + 2;
+    double px = 0.0, py = x[0], vx = 0.0, vy = x[n + 1];
+    for (int i = 0; i < n; i++) {
+        const double swing = length[i] * rate[i];
+        px += length[i] * work->sine[i];
+        py += length[i] * work->cosine[i];
+        vx += swing * work->cosine[i];
+        vy -= swing * work->sine[i];
+    }
+    position[0] = px, position[1] = py;
+    velocity[0] = vx, velocity[1] = vy;
+}
+
+/*
+ * Everything that acts on P_n besides the cable: submerged weight, the inputs, and where the scene has a
+ * support, its spring-dampers about (x_0, y_0) with the preload that makes the rest shape an equilibrium.
+ * It enters by virtual work through the elimination's start; [5.8]-[5.10] project it, which loses energy.
+ */
+void terminal_force(const Model *model, const double *x, const double *u, Work *work)
+{
+    double *force = work->end_force;
+    force[0] = u[U_F_cx];
+    force[1] = u[U_F_cy] + u[U_u_m2] + model->end_weight;
+    if (!model->has_spring) return;
+    double *position = work->end_position, *velocity = work->end_velocity;
+    terminal_motion(model, x, work, position, velocity);
+    for (int k = 0; k < 2; k++)
+        force[k] += model->preload[k] - model->spring[k] * (position[k] - model->rest[k]) -
+                    model->damper[k] * velocity[k];
+}
+
+/* Kinetic energy of m_c, its weight, and the support's springs with their preload. */
+double terminal_energy(const Model *model, const double position[2], const double velocity[2])
+{
+    double energy = 0.5 * model->end_mass * (velocity[0] * velocity[0] + velocity[1] * velocity[1]) -
+                    model->end_weight * position[1];
+    if (!model->has_spring) return energy;
+    for (int k = 0; k < 2; k++) {
+        const double stretch = position[k] - model->rest[k];
+        energy += (0.5 * model->spring[k] * stretch - model->preload[k]) * stretch;
+    }
+    return energy;
+}
