@@ -1,0 +1,225 @@
+"""From a validated scene to the numbers of a `Cable`: masses, stiffnesses, preloads, the start.
+
+The preloads make the rest shape an equilibrium. Between two ports this is the discrete catenary with its pull
+(H, V) at the top: floater 1 is carried with static_load = V, and the terminal's springs pull with
+static_pull_2 = H and static_load_2 = (terminal's submerged weight) - (V - W), W being the cable's weight.
+The dissertation's G_1 = 0 [5.6] is the special case of a hanging load, static_load = all the weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from cablefmu import scene_schema as schema
+from cablefmu.cable import Cable, Drag, Floats, Links, Terminal
+from cablefmu.scene_mistakes import Mistake, MistakeFoundError
+from cablefmu.shapes import Catenary, NoCatenaryError, catenary, end_point, straight
+from cablefmu.signals import Signal
+
+__all__ = ["assemble"]
+
+_SPRUNG = (schema.AnchorSpringTable, schema.FloaterTable)
+
+END_SLACK = 1e-3
+"""How far from its anchor a start shape may end, as a share of the cable: room for rounded angles."""
+
+
+def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cable:
+    """Work out the cable of a scene.
+
+    Parameters
+    ----------
+    name
+        The scene's name.
+    spec
+        What the scene file says.
+    signals
+        Force over time of each input that the scene names.
+
+    Raises
+    ------
+    MistakeFoundError
+        If the cable cannot hang where the scene wants it.
+    """
+    links = _links(spec)
+    weights = _submerged(links.mass, links.volume, spec) * spec.gravity
+    terminal_weight = _terminal_mass(spec) * spec.gravity
+    rest = _rest(spec, links.length, weights)
+    angles = _angles(spec, rest)
+    _check_end(spec, links.length, angles)
+    static_load = spec.top.static_load
+    if static_load is None:
+        static_load = rest.vertical if rest is not None else float(np.sum(weights)) + terminal_weight
+    parameters = {
+        "g": spec.gravity,
+        "M_1": spec.top.mass,
+        "k_m1": spec.top.stiffness,
+        "c_m1": spec.top.damping,
+        "static_load": static_load,
+        **_water_parameters(spec, links),
+        **_joint_parameters(links),
+        **_terminal_parameters(spec, rest, float(np.sum(weights)), terminal_weight),
+    }
+    terminal = spec.terminal
+    inputs = schema.inputs_of(terminal.kind, getattr(terminal, "horizontal_force", False))
+    return Cable(
+        name=name,
+        links=links,
+        terminal=Terminal(terminal.kind),
+        drag=_drag_kind(spec),
+        parameters=parameters,
+        inputs=inputs,
+        position=np.concatenate([[0.0], angles]),
+        velocity=np.zeros(len(links) + 1),
+        rest_position=terminal.position if isinstance(terminal, _SPRUNG) else (0.0, 0.0),
+        input_start={key: signals[key](0.0) for key in inputs if key in signals},
+    )
+
+
+# ---------------------------------------------------------------------------------------------------- links
+
+
+def _spread(value: float | tuple[float, ...] | None, n: int) -> Floats:
+    """One entry per link; zeros where the scene says nothing."""
+    return np.full(n, value or 0.0) if not isinstance(value, tuple) else np.array(value, dtype=np.float64)
+
+
+def _links(spec: schema.Spec) -> Links:
+    cable, water = spec.cable, spec.water
+    n = cable.links
+    length = _spread(cable.link_length, n) if cable.length is None else np.full(n, cable.length / n)
+    diameter = _spread(cable.diameter, n)
+    volume = np.pi / 4.0 * diameter**2 * length
+    mass = _spread(cable.link_mass, n) if cable.density is None else _spread(cable.density, n) * volume
+    if cable.young_modulus is None:
+        stiffness = _spread(cable.joint_stiffness, n)
+    else:
+        # Table 6.1: k_i = (5/6) E I_sec / l_i, I_sec = pi r^4 / 4
+        second_moment = np.pi / 4.0 * (diameter / 2.0) ** 4
+        stiffness = 5.0 / 6.0 * _spread(cable.young_modulus, n) * second_moment / length
+    by_coefficient = water is not None and water.Cd is not None
+    drag = np.zeros(n) if water is None else _spread(water.Cd if by_coefficient else water.drag_per_link, n)
+    return Links(
+        length=length,
+        mass=mass,
+        inertia=mass * length**2 / 12.0,
+        volume=volume,
+        joint_stiffness=stiffness,
+        joint_damping=_spread(cable.joint_damping, n),
+        drag_area=diameter * length if by_coefficient else np.zeros(n),
+        drag=drag,
+    )
+
+
+def _drag_kind(spec: schema.Spec) -> Drag:
+    if spec.water is None:
+        return Drag.NONE
+    return Drag.COEFFICIENT if spec.water.Cd is not None else Drag.PER_LINK
+
+
+def _submerged(mass: Floats, volume: Floats, spec: schema.Spec) -> Floats:
+    """Weight-carrying mass m - rho_w V [kg]; in air m."""
+    return mass - spec.water.density * volume if spec.water is not None else mass
+
+
+def _terminal_mass(spec: schema.Spec) -> float:
+    """Weight-carrying mass of the terminal [kg]: 0 for what floats or is neutrally buoyant."""
+    terminal = spec.terminal
+    if isinstance(terminal, schema.AnchorMassTable | schema.FloaterTable):
+        return 0.0
+    if spec.water is None:
+        return terminal.mass
+    volume = terminal.mass / terminal.density if terminal.density is not None else terminal.volume or 0.0
+    return terminal.mass - spec.water.density * volume
+
+
+# ---------------------------------------------------------------------------------------------------- shape
+
+
+def _rest(spec: schema.Spec, length: Floats, weights: Floats) -> Catenary | None:
+    """Rest shape between the ports; None where the cable just hangs."""
+    if isinstance(spec.terminal, schema.LoadTable):
+        return None
+    position = spec.terminal.position
+    try:
+        return catenary(length, weights, position)
+    except NoCatenaryError as reason:
+        raise MistakeFoundError(Mistake("terminal.position", str(reason), list(position))) from None
+
+
+def _angles(spec: schema.Spec, rest: Catenary | None) -> Floats:
+    shape = spec.shape
+    if isinstance(shape, schema.AnglesShape):
+        return np.array(shape.angles)
+    if isinstance(shape, schema.CatenaryShape) and rest is not None:
+        return rest.angles
+    return straight(spec.cable.links, shape.angle if isinstance(shape, schema.StraightShape) else 0.0)
+
+
+def _check_end(spec: schema.Spec, length: Floats, angles: Floats) -> None:
+    """An anchor of mass stands where it stands: a shape that ends elsewhere would move it."""
+    if not isinstance(spec.terminal, schema.AnchorMassTable):
+        return
+    x, y = end_point(length, angles)
+    position = spec.terminal.position
+    if np.hypot(x - position[0], y - position[1]) > END_SLACK * np.sum(length):
+        text = f'the start shape ends at ({x:.6g}, {y:.6g}) m, not at the anchor; use kind = "catenary"'
+        raise MistakeFoundError(Mistake("terminal.position", text, list(position)))
+
+
+# ----------------------------------------------------------------------------------------------- parameters
+
+
+def _common(values: Floats) -> float | None:
+    """The one value of all links, None if they differ."""
+    return float(values[0]) if np.all(values == values[0]) else None
+
+
+def _water_parameters(spec: schema.Spec, links: Links) -> dict[str, float]:
+    if spec.water is None:
+        return {}
+    coefficient = _common(links.drag) if spec.water.Cd is not None else None
+    return {"rho_w": spec.water.density} | ({"Cd": coefficient} if coefficient is not None else {})
+
+
+def _joint_parameters(links: Links) -> dict[str, float]:
+    common = {"k_joint": _common(links.joint_stiffness), "c_joint": _common(links.joint_damping)}
+    return {name: value for name, value in common.items() if value}
+
+
+def _terminal_parameters(
+    spec: schema.Spec, rest: Catenary | None, cable_weight: float, terminal_weight: float
+) -> dict[str, float]:
+    terminal = spec.terminal
+    if isinstance(terminal, schema.AnchorMassTable):
+        return {"m_c": terminal.mass}
+    if isinstance(terminal, schema.LoadTable):
+        inertia = {"I_Rc": terminal.rotary_inertia} if terminal.rotary_inertia else {}
+        return {"m_c": terminal.mass, **inertia, **_buoyancy(terminal)}
+    assert rest is not None  # every terminal but a load has a position
+    preload = {
+        "static_load_2": terminal_weight - (rest.vertical - cable_weight),
+        "static_pull_2": rest.horizontal,
+    }
+    horizontal, vertical = "m2H", "m2V"
+    head: dict[str, float] = {"M_2": terminal.mass}
+    if isinstance(terminal, schema.AnchorSpringTable):
+        horizontal, vertical = "cH", "cV"
+        head = {"m_c": terminal.mass, **_buoyancy(terminal)}
+    return {
+        **head,
+        f"k_{vertical}": terminal.stiffness_vertical,
+        f"c_{vertical}": terminal.damping_vertical,
+        f"k_{horizontal}": terminal.stiffness_horizontal,
+        f"c_{horizontal}": terminal.damping_horizontal,
+        **preload,
+    }
+
+
+def _buoyancy(terminal: schema.LoadTable | schema.AnchorSpringTable) -> dict[str, float]:
+    """What the terminal's submerged weight depends on; nothing in air, where the schema allows neither."""
+    if terminal.density is not None:
+        return {"rho_c": terminal.density}
+    return {"V_c": terminal.volume} if terminal.volume is not None else {}

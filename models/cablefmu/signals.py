@@ -1,0 +1,213 @@
+"""Input signals: forces as functions of time [N over s].
+
+Every signal is right-continuous: at a jump it has the value that it keeps afterwards. Integrators need
+more than values: implicit ones the time derivative, the co-simulation master exact derivatives for FMI's
+input derivatives, and both the times at which they must end a step.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
+from typing import Protocol
+
+__all__ = ["Constant", "CsvError", "Sampled", "Signal", "Sine", "Steps", "read_csv"]
+
+
+class Signal(Protocol):
+    """A force [N] over time [s]."""
+
+    def __call__(self, t: float) -> float:
+        """Value at `t`; at a jump the value after it."""
+        ...
+
+    def derivatives(self, t: float, order: int) -> list[float]:
+        """Right-hand time derivatives of order 1 ... `order` at `t` [N/s, N/s^2, ...]."""
+        ...
+
+    def breaks(self, t0: float, t1: float) -> list[float]:
+        """Times inside the open interval (t0, t1) where the signal or its slope jumps, ascending."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """The same force at all times."""
+
+    value: float
+
+    def __call__(self, t: float) -> float:
+        return self.value
+
+    def derivatives(self, t: float, order: int) -> list[float]:
+        return [0.0] * order
+
+    def breaks(self, t0: float, t1: float) -> list[float]:
+        return []
+
+
+@dataclass(frozen=True, slots=True)
+class Sine:
+    """offset + amplitude sin(2 pi frequency (t - start) + phase); only `offset` before `start`.
+
+    Without a start (None) the sine has always been there, with its phase counted from t = 0.
+    """
+
+    amplitude: float
+    frequency: float
+    """[Hz]"""
+    phase: float = 0.0
+    """[rad]"""
+    offset: float = 0.0
+    start: float | None = None
+
+    def _angle(self, t: float) -> float:
+        return 2.0 * math.pi * self.frequency * (t - (self.start or 0.0)) + self.phase
+
+    def __call__(self, t: float) -> float:
+        if self.start is not None and t < self.start:
+            return self.offset
+        return self.offset + self.amplitude * math.sin(self._angle(t))
+
+    def derivatives(self, t: float, order: int) -> list[float]:
+        if self.start is not None and t < self.start:
+            return [0.0] * order
+        angle, rate = self._angle(t), 2.0 * math.pi * self.frequency
+        # d^k sin/dx^k repeats after four: cos, -sin, -cos, sin
+        cycle = (math.cos(angle), -math.sin(angle), -math.cos(angle), math.sin(angle))
+        return [self.amplitude * rate**k * cycle[(k - 1) % 4] for k in range(1, order + 1)]
+
+    def breaks(self, t0: float, t1: float) -> list[float]:
+        return [self.start] if self.start is not None and t0 < self.start < t1 else []
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """Piecewise constant: 0 before the first time, then values[k] from times[k] on."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def __call__(self, t: float) -> float:
+        k = bisect_right(self.times, t)
+        return self.values[k - 1] if k else 0.0
+
+    def derivatives(self, t: float, order: int) -> list[float]:
+        return [0.0] * order
+
+    def breaks(self, t0: float, t1: float) -> list[float]:
+        return _inside(self.times, t0, t1)
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled:
+    """Linear between samples; before the first and after the last sample it keeps their values."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def _slope(self, k: int) -> float:
+        """Slope after sample k - 1, that is from there to sample k [N/s]."""
+        if k == 0 or k == len(self.times):
+            return 0.0
+        return (self.values[k] - self.values[k - 1]) / (self.times[k] - self.times[k - 1])
+
+    def __call__(self, t: float) -> float:
+        k = bisect_right(self.times, t)
+        if k == 0:
+            return self.values[0]
+        return (
+            self.values[k - 1] + self._slope(k) * (t - self.times[k - 1])
+            if k < len(self.times)
+            else self.values[-1]
+        )
+
+    def derivatives(self, t: float, order: int) -> list[float]:
+        slope = self._slope(bisect_right(self.times, t))
+        return [slope if k == 1 else 0.0 for k in range(1, order + 1)]
+
+    def breaks(self, t0: float, t1: float) -> list[float]:
+        return _inside(self.times, t0, t1)
+
+
+def _inside(times: tuple[float, ...], t0: float, t1: float) -> list[float]:
+    return list(times[bisect_right(times, t0) : bisect_left(times, t1)])
+
+
+class CsvError(ValueError):
+    """What is wrong with a CSV file, with its line."""
+
+
+Column = str | int
+
+
+def read_csv(data: bytes, *, time: Column = 1, value: Column = 2) -> Sampled:
+    """Read a signal from comma-separated text: times [s], rising, and forces [N].
+
+    Parameters
+    ----------
+    data
+        Content of the file, UTF-8. The first line may be a header; empty lines are passed over.
+    time, value
+        Columns, by name in the header or by number from 1.
+
+    Raises
+    ------
+    CsvError
+        If the text is no table of finite numbers, has no such column, or its times do not rise.
+    """
+    try:
+        rows = [
+            (k, row) for k, row in enumerate(csv.reader(io.StringIO(data.decode("utf-8-sig"))), 1) if any(row)
+        ]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise CsvError(f"this is not a comma-separated text in UTF-8: {error}") from None
+    header = [cell.strip() for cell in rows[0][1]] if rows and not _is_number(rows[0][1][0]) else None
+    if header is not None:
+        rows = rows[1:]
+    if not rows:
+        raise CsvError("there is no line with numbers in it")
+    columns = [_column(header, time, len(rows[0][1])), _column(header, value, len(rows[0][1]))]
+    times, values = (tuple(_cell(row, line, column) for line, row in rows) for column in columns)
+    for k in range(1, len(times)):
+        if times[k] <= times[k - 1]:
+            raise CsvError(f"row {rows[k][0]}: time {times[k]:g} s does not come after {times[k - 1]:g} s")
+    return Sampled(times, values)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _column(header: list[str] | None, wanted: Column, width: int) -> int:
+    """Index of a column that is given by name or by number from 1."""
+    if isinstance(wanted, int):
+        if 1 <= wanted <= width:
+            return wanted - 1
+        raise CsvError(f"there is no column {wanted}; columns are numbered 1 to {width}")
+    if header is None:
+        raise CsvError(f'there is no column "{wanted}", as the first line has no names')
+    if wanted not in header:
+        raise CsvError(f'there is no column "{wanted}"; the columns are {", ".join(header)}')
+    return header.index(wanted)
+
+
+# Same bound as for quantities in a scene, and beyond any force or time that means something.
+_LARGEST = 1e15
+
+
+def _cell(row: list[str], line: int, column: int) -> float:
+    text = row[column].strip() if column < len(row) else ""
+    number = float(text) if _is_number(text) else math.nan
+    if not abs(number) <= _LARGEST:
+        raise CsvError(
+            f'row {line}, column {column + 1}: a finite number is expected, there is "{text[:40]}"'
+        )
+    return number
