@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -77,7 +78,7 @@ def integrate(
     state = np.concatenate([reference.cable.position, reference.cable.velocity])
     states = {marks[0]: state}
     step: float | None = None
-    for start, stop in zip(marks[:-1], marks[1:], strict=True):
+    for start, stop in pairwise(marks):
         piece = solve_ivp(
             _right_side(reference, inputs, stop),
             (start, stop),

@@ -1,0 +1,138 @@
+"""Newton's and Euler's laws link by link, and where the energy goes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+from cablefmu.cable import Cable, Drag, Floats, Terminal
+from cablefmu.reference import Reference, extended_acceleration
+from cablefmu.reference.chain import chain_of
+from cablefmu.reference.kinematics import motion_of, velocities
+from cablefmu.reference.outputs import energy, joint_forces, powers, pulls
+from tests.random_cables import KINDS, random_cable, random_inputs, random_state
+from tests.reference.lagrangian import vectorised
+
+WEIGHT = 1e-10
+"""Of the largest joint force: 16 digits less the condition of I (up to 1e5)."""
+
+
+def moving(n: int, terminal: Terminal, water: bool, drag: Drag) -> tuple[Cable, Floats, Floats, Any]:
+    """A random cable in a random state under random inputs."""
+    rng = np.random.default_rng(n)
+    cable = random_cable(rng, n, terminal, water, drag=drag)
+    return cable, *random_state(rng, cable), random_inputs(rng, cable)
+
+
+@pytest.mark.parametrize(("terminal", "water", "drag"), KINDS)
+def test_joint_forces_turn_every_link_and_carry_the_floater(
+    terminal: Terminal, water: bool, drag: Drag
+) -> None:
+    """Joint forces come from the sum of forces alone, so the moments and the floater are a check.
+
+    I_i th_i'' = -l_i/2 n_i . (R_i + R_{i+1}) + T_{i+1} - T_i and
+    M y_m'' = u_m1 - c_m y_m' - k_m y_m - static_load - R_1y.
+    """
+    cable, q, v, inputs = moving(9, terminal, water, drag)
+    chain, motion = chain_of(cable), motion_of(q, v)
+    a = Reference(cable).acceleration(q, v, inputs)
+    R = joint_forces(chain, motion, a, inputs)
+    bend, bend_rate = np.diff(motion.theta, prepend=0.0), np.diff(motion.omega, prepend=0.0)
+    T = np.append(chain.stiffness * bend + chain.damping * bend_rate, 0.0)
+    moments = -chain.length / 2 * np.sum(motion.across * (R[:-1] + R[1:]), axis=1) + T[1:] - T[:-1]
+    size = WEIGHT * np.abs(R).max()
+    assert chain.inertia * a[1:] == pytest.approx(moments, rel=0, abs=size * chain.length.max())
+    held = chain.floater_damping * v[0] + chain.floater_stiffness * q[0] + chain.static_load
+    assert chain.floater_mass * a[0] == pytest.approx(inputs["u_m1"] - held - R[0, 1], rel=0, abs=size)
+
+
+@pytest.mark.parametrize(("terminal", "water", "drag"), KINDS)
+def test_energy_changes_by_the_powers(terminal: Terminal, water: bool, drag: Drag) -> None:
+    """dE/dt along (v, x'') by a central difference in 60 digits, whose error is of order 1e-30."""
+    cable, q, v, inputs = moving(5, terminal, water, drag)
+    exact, sin, cos = (vectorised(f) for f in (mpmath.mpf, mpmath.sin, mpmath.cos))
+    with mpmath.workdps(60):
+        chain, step = chain_of(cable, mpmath.mpf), mpmath.mpf(10) ** -15
+        rates = exact(v)
+        a = extended_acceleration(cable, q, v, inputs, digits=60)
+        later, earlier = (
+            energy(chain, motion_of(exact(q) + rates * t, rates + a * t, sin, cos)) for t in (step, -step)
+        )
+        flows = powers(chain, motion_of(exact(q), rates, sin, cos), inputs)
+        assert abs((later - earlier) / (2 * step) - sum(flows.values())) < 1e-18
+    assert all(flows[name] <= 0 for name in ("joints", "floater", "terminal", "drag"))
+    assert (flows["drag"] < 0) == (drag is not Drag.NONE)
+
+
+def test_projected_rule_feeds_energy_by_its_departure() -> None:
+    """It is not conservative: the energy gains what the departure does work on."""
+    cable, q, v, inputs = moving(5, Terminal.LOAD, False, Drag.NONE)
+    projected = Reference(cable, terminal_rule="projected")
+    a, step = projected.acceleration(q, v, inputs), 1e-5
+    chain = projected.chain
+    later, earlier = (energy(chain, motion_of(q + v * t, v + a * t)) for t in (step, -step))
+    flow = sum(powers(chain, motion_of(q, v), inputs).values())
+    gain = projected.departure(q, v, inputs) @ v
+    assert abs(gain) > 1.0  # W
+    # differences of 1e6 J over 2e-5 s: 1e-16 x 1e6 / 1e-5 of rounding, 1e-10 x f''' of truncation
+    assert (later - earlier) / (2 * step) == pytest.approx(flow + gain, abs=1e-3)
+
+
+@pytest.mark.parametrize("water", [False, True])
+def test_hanging_cable_pulls_with_the_weight_below(water: bool) -> None:
+    cable = random_cable(np.random.default_rng(14), 6, Terminal.LOAD, water)
+    links, p = cable.links, cable.parameters
+    load = p["m_c"] - p.get("rho_w", 0.0) * (p["m_c"] / p["rho_c"] if "rho_c" in p else p.get("V_c", 0.0))
+    weights = 9.81 * np.append(links.mass - p.get("rho_w", 0.0) * links.volume, load)
+    below = np.cumsum(weights[::-1])[::-1]  # from each joint on, the load last
+    held = Reference(replace(cable, parameters=p | {"static_load": weights.sum()}))
+    nothing = np.zeros(7)
+    a = held.acceleration(nothing, nothing, {})
+    at_rest = motion_of(nothing, nothing)
+    pull = pulls(at_rest, joint_forces(held.chain, at_rest, a, {}))
+    assert pull == pytest.approx(np.stack([below[:-1], below[1:]], axis=1), rel=1e-12)
+    outputs = held.outputs(nothing, nothing, {})
+    assert outputs["tension_top"] == pytest.approx(weights.sum(), rel=1e-12)
+    assert outputs["tension_max"] == outputs["tension_top"]
+    assert outputs["tension_end"] == pytest.approx(weights[-1], rel=1e-12)
+
+
+def test_horizontal_pull_on_a_level_cable_is_its_tension() -> None:
+    """In free space a level cable pulled along itself: Newton for all that is to the right of a joint."""
+    cable = random_cable(np.random.default_rng(15), 4, Terminal.LOAD, water=False)
+    still = replace(cable, parameters=cable.parameters | {"g": 0.0, "static_load": 0.0})
+    stiff = replace(still.links, joint_stiffness=np.zeros(4), joint_damping=np.zeros(4))
+    level = np.array([0.0, *[np.pi / 2] * 4])
+    free = {name: value for name, value in still.parameters.items() if name[1:] != "_joint"}
+    reference = Reference(replace(still, links=stiff, parameters=free))
+    outputs = reference.outputs(level, np.zeros(5), {"F_cx": 300.0})
+    # the guided floater cannot move sideways: the whole pull goes through every joint
+    assert [outputs[f"tension_{at}"] for at in ("top", "end", "max")] == pytest.approx([300.0] * 3)
+
+
+def test_port_outputs_are_the_end_points() -> None:
+    cable, q, v, inputs = moving(7, Terminal.FLOATER, True, Drag.COEFFICIENT)
+    outputs = Reference(cable).outputs(q, v, inputs)
+    assert (outputs["y_m1"], outputs["v_m1"]) == (q[0], v[0])
+    length, theta = cable.links.length, q[1:]
+    assert outputs["x_c"] == pytest.approx(length @ np.sin(theta))
+    assert outputs["y_c"] == pytest.approx(q[0] + length @ np.cos(theta))
+    assert outputs["vx_c"] == pytest.approx((length * np.cos(theta)) @ v[1:])
+    assert outputs["vy_c"] == pytest.approx(v[0] - (length * np.sin(theta)) @ v[1:])
+    assert velocities(chain_of(cable), motion_of(q, v))[0] == pytest.approx([0.0, v[0]])
+
+
+def test_tension_max_is_over_both_ends_of_every_link() -> None:
+    cable, q, v, inputs = moving(7, Terminal.LOAD, True, Drag.COEFFICIENT)
+    reference, motion = Reference(cable), motion_of(q, v)
+    R = joint_forces(reference.chain, motion, reference.acceleration(q, v, inputs), inputs)
+    along = motion.along
+    every_end = [-R[i] @ along[i] for i in range(7)] + [-R[i + 1] @ along[i] for i in range(7)]
+    outputs = reference.outputs(q, v, inputs)
+    assert outputs["tension_max"] == pytest.approx(max(every_end), rel=1e-12)
+    assert outputs["tension_top"] == pytest.approx(every_end[0], rel=1e-12)
+    assert outputs["tension_end"] == pytest.approx(every_end[-1], rel=1e-12)
