@@ -152,9 +152,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
         text = _decode(_read_file(path, path.name), asked)
         return _make(text, path.stem, asked, path, lambda file: _read_beside(path, file))
     if asked not in shipped_scenes():
-        raise SceneError(
-            f'no scene "{asked[:60]}" ships; {nearest(asked, shipped_scenes())}; or give the path of a .toml file'
-        )
+        known = nearest(asked, shipped_scenes())
+        raise SceneError(f'no scene "{asked[:60]}" ships; {known}; or give the path of a .toml file')
     text = _decode((_shipped_folder() / f"{asked}.toml").read_bytes(), asked)
     return Scene.from_text(text, name=asked)
 

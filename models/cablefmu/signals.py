@@ -150,7 +150,7 @@ def read_csv(data: bytes, *, time: Column = 1, value: Column = 2) -> Sampled:
     Parameters
     ----------
     data
-        Content of the file, UTF-8. The first line may be a header; empty lines are passed over.
+        Content of the file, UTF-8. The first line may be a header (no number in it); empty lines are passed over.
     time, value
         Columns, by name in the header or by number from 1.
 
@@ -165,7 +165,7 @@ def read_csv(data: bytes, *, time: Column = 1, value: Column = 2) -> Sampled:
         ]
     except (UnicodeDecodeError, csv.Error) as error:
         raise CsvError(f"this is not a comma-separated text in UTF-8: {error}") from None
-    header = [cell.strip() for cell in rows[0][1]] if rows and not _is_number(rows[0][1][0]) else None
+    header = [cell.strip() for cell in rows[0][1]] if rows and not any(map(_is_number, rows[0][1])) else None
     if header is not None:
         rows = rows[1:]
     if not rows:
@@ -191,7 +191,7 @@ def _column(header: list[str] | None, wanted: Column, width: int) -> int:
     if isinstance(wanted, int):
         if 1 <= wanted <= width:
             return wanted - 1
-        raise CsvError(f"there is no column {wanted}; columns are numbered 1 to {width}")
+        raise CsvError(f"there is no column {wanted}; columns, set off by commas, are numbered 1 to {width}")
     if header is None:
         raise CsvError(f'there is no column "{wanted}", as the first line has no names')
     if wanted not in header:
