@@ -113,6 +113,4 @@ def test_a_cable_without_weight_has_no_rest_shape() -> None:
 
 
 def test_straight_is_straight() -> None:
-    assert end_point(np.full(4, 2.0), straight(4, math.pi / 6.0)) == pytest.approx(
-        (4.0, 4.0 * math.sqrt(3.0))
-    )
+    assert end_point(np.full(4, 2.0), straight(4, math.pi / 6.0)) == pytest.approx((4.0, 4.0 * math.sqrt(3.0)))

@@ -84,9 +84,7 @@ def test_anything_else_is_refused_with_what_is_allowed(kind: Any, written: objec
     assert says in refused.value.message()
 
 
-@pytest.mark.parametrize(
-    "text", ["9**9**9**9 m", "1 m^99999999", "1 " + "m " * 5000, "1 __import__('os')", "1 m;2"]
-)
+@pytest.mark.parametrize("text", ["9**9**9**9 m", "1 m^99999999", "1 " + "m " * 5000, "1 __import__('os')", "1 m;2"])
 def test_a_text_is_never_evaluated_as_an_expression(text: str) -> None:
     with pytest.raises(PydanticCustomError, match="a length"):
         measure(u.Length).read(text)

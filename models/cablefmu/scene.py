@@ -188,9 +188,7 @@ def _decode(data: bytes, source: str) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise SceneError(
-            f"{source}: a text in UTF-8 is expected; byte {error.start} is not part of one"
-        ) from None
+        raise SceneError(f"{source}: a text in UTF-8 is expected; byte {error.start} is not part of one") from None
 
 
 def _parse(text: str, source: str) -> dict[str, Any]:
@@ -206,9 +204,7 @@ def _make(text: str, name: str, source: str, path: Path | None, read: Callable[[
     """Parse, validate and assemble; every file is read once."""
     mistakes = []
     if not _NAME.fullmatch(name):
-        mistakes.append(
-            Mistake("", f'"{name[:60]}" cannot name a scene: letters a to z, digits, - and _ are allowed')
-        )
+        mistakes.append(Mistake("", f'"{name[:60]}" cannot name a scene: letters a to z, digits, - and _ are allowed'))
     data = _parse(text, source)
     files: dict[str, bytes] = {}
 
@@ -221,9 +217,7 @@ def _make(text: str, name: str, source: str, path: Path | None, read: Callable[[
         spec = Spec.model_validate(data, context=Context(_link_count(data), remembered))
     except ValidationError as error:
         raise scene_error(source, mistakes + mistakes_of(error)) from None
-    given = {
-        key: build_signal(value, remembered) for key, value in dict(spec.inputs).items() if value is not None
-    }
+    given = {key: build_signal(value, remembered) for key, value in dict(spec.inputs).items() if value is not None}
     try:
         cable = assemble(name, spec, given)
     except MistakeFoundError as found:

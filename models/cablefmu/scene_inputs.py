@@ -65,9 +65,7 @@ class StepsInput(Table):
     @model_validator(mode="after")
     def _in_order(self) -> StepsInput:
         if len(self.times) != len(self.values):
-            raise u.refusal(
-                f"{len(self.times)} times and {len(self.values)} values; as many of each are needed"
-            )
+            raise u.refusal(f"{len(self.times)} times and {len(self.values)} values; as many of each are needed")
         if any(later <= earlier for earlier, later in zip(self.times, self.times[1:], strict=False)):
             raise u.refusal("times must rise from each entry to the next")
         return self
@@ -79,15 +77,8 @@ class StepsInput(Table):
 def _inside_folder(name: str) -> str:
     """A scene and its files travel together, so a file lies in the scene's folder or below it."""
     parts = name.split("/")
-    if (
-        not name.isprintable()
-        or "\\" in name
-        or ":" in name
-        or any(part in ("", ".", "..") for part in parts)
-    ):
-        raise u.refusal(
-            'the path of a file in the folder of the scene is expected, for example "waves/heave.csv"'
-        )
+    if not name.isprintable() or "\\" in name or ":" in name or any(part in ("", ".", "..") for part in parts):
+        raise u.refusal('the path of a file in the folder of the scene is expected, for example "waves/heave.csv"')
     return name
 
 

@@ -57,7 +57,7 @@ def scene_error(source: str, mistakes: Iterable[Mistake]) -> SceneError:
 def nearest(word: str, allowed: Iterable[str]) -> str:
     """What to answer to a name that does not exist: the most similar one, and all that do."""
     names = list(allowed)
-    match = difflib.get_close_matches(word.lower(), [name.lower() for name in names], n=1, cutoff=0.5)
+    match = difflib.get_close_matches(word.lower(), [name.lower() for name in names], n=1, cutoff=0.6)
     near = next((f'the nearest is "{name}"; ' for name in names if match and name.lower() == match[0]), "")
     return f"{near}allowed: {', '.join(names)}"
 
@@ -73,12 +73,12 @@ def _mistake(details: dict[str, Any]) -> Mistake:
     value = details["input"]
     key = _key(loc)
     match details["type"]:
+        case "missing" if isinstance(loc[-1], int):
+            return Mistake(_key(loc[:-1]), "a list with 2 entries (x and y) is expected", value)
         case "missing":
             return Mistake(key, f"this key is missing; {_wanted(loc)}")
         case "extra_forbidden":
-            return Mistake(
-                key, f"unknown key; {nearest(str(loc[-1]), _tables_at(loc[:-1])[0].model_fields)}", value
-            )
+            return Mistake(key, f"unknown key; {nearest(str(loc[-1]), _tables_at(loc[:-1])[0].model_fields)}", value)
         case "union_tag_invalid" | "union_tag_not_found":
             name = context["discriminator"].strip("'")
             allowed = re.findall(r"'([^']*)'", context.get("expected_tags", "")) or [
@@ -86,13 +86,9 @@ def _mistake(details: dict[str, Any]) -> Mistake:
             ]
             given = value.get(name, _NOTHING) if isinstance(value, dict) else _NOTHING
             text = f"this key is missing; allowed: {', '.join(allowed)}"
-            return Mistake(
-                f"{key}.{name}", text if given is _NOTHING else nearest(str(given)[:40], allowed), given
-            )
+            return Mistake(f"{key}.{name}", text if given is _NOTHING else nearest(str(given)[:40], allowed), given)
         case "literal_error":
-            return Mistake(
-                key, nearest(_show(value).strip('"'), re.findall(r"'([^']*)'", context["expected"])), value
-            )
+            return Mistake(key, nearest(_show(value).strip('"'), re.findall(r"'([^']*)'", context["expected"])), value)
         case "model_type" | "model_attributes_type" | "dict_type":
             return Mistake(key, "a table is expected", value)
         case "tuple_type" | "list_type":
@@ -104,8 +100,8 @@ def _mistake(details: dict[str, Any]) -> Mistake:
         case "int_type" | "greater_than_equal":
             return Mistake(key, "a whole number from 1, or a name, is expected", value)
         case "too_short" | "too_long":
-            lengths = "2 entries (x and y)" if loc[-1] == "position" else "at least one entry"
-            return Mistake(key, f"a list with {lengths} is expected", value)
+            entries = "2 entries (x and y)" if loc[-1] == "position" else "at least one entry"
+            return Mistake(key, f"a list with {entries} is expected", value)
     return Mistake(key, str(details["msg"]), value)
 
 
@@ -127,7 +123,7 @@ def _steps(loc: tuple[int | str, ...]) -> Iterable[tuple[int | str, bool]]:
     """Each entry of a location, and whether it is a key of the file."""
     for k, part in enumerate(loc):
         # After a table of several kinds stands the kind; a mark only stands inside.
-        is_kind = (k == 1 and loc[0] in ("terminal", "shape")) or (k > 0 and loc[k - 1] == "<table>")
+        is_kind = (k == 1 and loc[0] in ("terminal", "shape") and part in _KINDS) or (k > 0 and loc[k - 1] == "<table>")
         yield part, not (isinstance(part, str) and (is_kind or (part in MARKS and k >= 2)))
 
 
@@ -156,6 +152,10 @@ def _tags(model: type[BaseModel]) -> tuple[str, ...]:
         if name in model.model_fields
         for tag in get_args(model.model_fields[name].annotation)
     )
+
+
+def _all_tags(key: str) -> list[str]:
+    return [tag for model in _models_in(Spec.model_fields[key].annotation) for tag in _tags(model)]
 
 
 def _wanted(loc: tuple[int | str, ...]) -> str:
@@ -190,3 +190,6 @@ def _show(value: object) -> str:
         return "(too long to show)"
     text = "".join(c if c.isprintable() else "\ufffd" for c in text)
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 4] + " ..."
+
+
+_KINDS = frozenset(tag for key in ("terminal", "shape") for tag in _all_tags(key))

@@ -52,7 +52,7 @@ class CableTable(Table):
 
     one_of = (("length", "link_length"), ("density", "link_mass"), ("young_modulus", "joint_stiffness"))
 
-    links: Annotated[StrictInt, BeforeValidator(_link_count), Field(ge=1, le=MAX_LINKS)]
+    links: Annotated[StrictInt, Field(ge=1, le=MAX_LINKS), BeforeValidator(_link_count)]
     """Number of rigid links."""
     length: u.Length | None = None
     """Length of the whole cable, shared out evenly."""
@@ -238,9 +238,7 @@ class Spec(Table):
         if kind in ("load", "anchor-spring"):
             given = [key for key in ("density", "volume") if key in terminal]
             if "water" in data and len(given) != 1:
-                state = (
-                    "density and volume contradict each other" if given else "density or volume is missing"
-                )
+                state = "density and volume contradict each other" if given else "density or volume is missing"
                 yield ("terminal",), f"{state}: in water, exactly one of density, volume is needed"
             if "water" not in data:
                 for key in given:

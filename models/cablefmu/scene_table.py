@@ -92,9 +92,7 @@ class Table(BaseModel):
             rest = []
         if not found:
             return made
-        details = [
-            InitErrorDetails(type=refusal(text), loc=loc, input=_value_at(data, loc)) for loc, text in found
-        ]
+        details = [InitErrorDetails(type=refusal(text), loc=loc, input=_value_at(data, loc)) for loc, text in found]
         details += [
             InitErrorDetails(
                 type=PydanticCustomError(e["type"], "{text}", {**e.get("ctx", {}), "text": e["msg"]}),
@@ -106,9 +104,7 @@ class Table(BaseModel):
         raise ValidationError.from_exception_data(cls.__name__, details)
 
     @classmethod
-    def __get_pydantic_json_schema__(
-        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         made = handler(schema)
         if cls.one_of:
             choices = [{"oneOf": [{"required": [key]} for key in group]} for group in cls.one_of]

@@ -119,11 +119,7 @@ class Sampled:
         k = bisect_right(self.times, t)
         if k == 0:
             return self.values[0]
-        return (
-            self.values[k - 1] + self._slope(k) * (t - self.times[k - 1])
-            if k < len(self.times)
-            else self.values[-1]
-        )
+        return self.values[k - 1] + self._slope(k) * (t - self.times[k - 1]) if k < len(self.times) else self.values[-1]
 
     def derivatives(self, t: float, order: int) -> list[float]:
         slope = self._slope(bisect_right(self.times, t))
@@ -160,9 +156,7 @@ def read_csv(data: bytes, *, time: Column = 1, value: Column = 2) -> Sampled:
         If the text is no table of finite numbers, has no such column, or its times do not rise.
     """
     try:
-        rows = [
-            (k, row) for k, row in enumerate(csv.reader(io.StringIO(data.decode("utf-8-sig"))), 1) if any(row)
-        ]
+        rows = [(k, row) for k, row in enumerate(csv.reader(io.StringIO(data.decode("utf-8-sig"))), 1) if any(row)]
     except (UnicodeDecodeError, csv.Error) as error:
         raise CsvError(f"this is not a comma-separated text in UTF-8: {error}") from None
     header = [cell.strip() for cell in rows[0][1]] if rows and not any(map(_is_number, rows[0][1])) else None
@@ -207,7 +201,5 @@ def _cell(row: list[str], line: int, column: int) -> float:
     text = row[column].strip() if column < len(row) else ""
     number = float(text) if _is_number(text) else math.nan
     if not abs(number) <= _LARGEST:
-        raise CsvError(
-            f'row {line}, column {column + 1}: a finite number is expected, there is "{text[:40]}"'
-        )
+        raise CsvError(f'row {line}, column {column + 1}: a finite number is expected, there is "{text[:40]}"')
     return number

@@ -168,14 +168,16 @@ class Measure:
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         lower = SMALLEST if self.positive else self.lower
         number: JsonSchemaValue = {"type": "number", "minimum": lower, "maximum": self.upper}
         if not self.unit:
             return number
-        text = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*[^\s\d].*$", "examples": [self.example]}
+        text = {
+            "type": "string",
+            "pattern": rf"^\s*{_NUMBER}\s*(?:1\s*/\s*)?[A-Za-zµ°%].*$",
+            "examples": [self.example],
+        }
         return {"anyOf": [number, text], "description": f"{self.noun} [{self.unit}], e.g. {self.example}"}
 
 
@@ -212,9 +214,7 @@ Damping = Annotated[float, _not_negative("a damping", "N s/m", '237.6 or "237.6 
 RotaryInertia = Annotated[float, _not_negative("a rotary inertia", "kg m^2", '50 or "50 kg m^2"')]
 Acceleration = Annotated[float, _not_negative("an acceleration", "m/s^2", '9.81 or "9.81 m/s^2"')]
 Coefficient = Annotated[float, _not_negative("a coefficient (a plain number)", "", "1.0")]
-LinkDrag = Annotated[
-    float, _not_negative("a drag coefficient of a link", "N s^2/m^2", '200 or "200 N s^2/m^2"')
-]
+LinkDrag = Annotated[float, _not_negative("a drag coefficient of a link", "N s^2/m^2", '200 or "200 N s^2/m^2"')]
 Time = Annotated[float, Measure("a time", "s", '15.5 or "15.5 s"')]
 Duration = Annotated[float, _above_zero("a time", "s", '31 or "31 s"')]
 Frequency = Annotated[float, _above_zero("a frequency", "Hz", '0.25 or "0.25 Hz"')]

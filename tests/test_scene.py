@@ -1,0 +1,121 @@
+"""Scenes by name, by path and from memory; what ships."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+import pytest
+
+from cablefmu.errors import SceneError
+from cablefmu.scene import Scene, load_scene, shipped_scenes
+
+# n, stop time [s] and frames [s] as the dissertation has them (section 6); None where it shows no frames.
+EXPECTED = {
+    "angles-12-water": (12, 62.0, None),
+    "floaters-both-80": (80, 15.5, 0.5),
+    "floaters-loose-80": (80, 15.5, 0.5),
+    "floaters-restrained-80": (80, 15.5, 0.5),
+    "free-12-air": (12, 31.0, 1.0),
+    "free-12-water": (12, 31.0, 1.0),
+    "free-60-air": (60, 31.0, 1.0),
+    "free-60-water": (60, 31.0, 1.0),
+    "heave-60-air": (60, 31.0, 1.0),
+    "heave-60-water": (60, 31.0, 1.0),
+    "load-diagonal-80": (80, 15.5, 0.5),
+    "load-horizontal-80": (80, 15.5, 0.5),
+    "load-lift-80": (80, 31.0, 1.0),
+    "seabed-mass-60": (60, 15.5, 0.5),
+    "seabed-mass-110": (110, 15.5, 0.5),
+    "seabed-spring-60": (60, 15.5, 0.5),
+    **{f"timing-{n}": (n, 10.0, None) for n in (20, 40, 60, 80, 100, 120)},
+}
+
+
+def test_the_scenes_of_the_dissertation_ship_in_a_sensible_order() -> None:
+    assert shipped_scenes() == list(EXPECTED)
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_a_shipped_scene_is_what_the_dissertation_describes(name: str) -> None:
+    scene = load_scene(name)
+    n, stop, frames = EXPECTED[name]
+    assert (scene.name, scene.cable.name) == (name, name)
+    assert (scene.cable.n, scene.stop_time, scene.step, scene.tolerance) == (n, stop, 0.1, 1e-6)
+    assert frames is None or scene.frame_interval == frames
+    assert scene.cable.in_water is not name.endswith("-air")
+    assert scene.text.startswith("# ")
+    assert "What to see:" in scene.text
+    assert "# Assumed" in scene.text
+    assert set(scene.signals) == set(scene.cable.inputs)
+
+
+@pytest.mark.parametrize("medium", ["12", "60"])
+def test_air_and_water_twins_start_from_the_same_shape(medium: str) -> None:
+    air, water = load_scene(f"free-{medium}-air").cable, load_scene(f"free-{medium}-water").cable
+    assert air.position.tolist() == water.position.tolist()
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "amplitude"),
+    [
+        ("heave-60-air", "u_m1", 25000.0),
+        ("heave-60-water", "u_m1", 25000.0),
+        ("seabed-mass-60", "u_m1", 25000.0),
+        ("floaters-restrained-80", "u_m1", 25000.0),
+        ("floaters-loose-80", "u_m1", 15000.0),
+        ("floaters-both-80", "u_m1", 2500.0),
+        ("floaters-both-80", "u_m2", 2500.0),
+    ],
+)
+def test_floaters_are_heaved_with_a_period_of_four_seconds(name: str, key: str, amplitude: float) -> None:
+    signal = load_scene(name).signals[key]
+    for t in (0.0, 0.7, 1.0, 9.1):
+        assert signal(t) == pytest.approx(amplitude * math.sin(0.5 * math.pi * t), rel=1e-12)
+
+
+def test_loads_are_pulled_and_lifted() -> None:
+    horizontal, diagonal, lift = (load_scene(f"load-{kind}-80").signals for kind in ("horizontal", "diagonal", "lift"))
+    assert (horizontal["F_cx"](3.0), horizontal["F_cy"](3.0)) == (200.0, 0.0)
+    assert (diagonal["F_cx"](3.0), diagonal["F_cy"](3.0)) == (200.0, -200.0)
+    assert [lift["F_cy"](t) for t in (0.0, 15.49, 15.5, 31.0)] == [-2000.0, -2000.0, 0.0, 0.0]
+    assert lift["F_cy"].breaks(0.0, 31.0) == [15.5]
+    assert lift["F_cx"](20.0) == 1.0
+
+
+def test_a_scene_by_path_brings_its_files(tmp_path: Path) -> None:
+    text = load_scene("free-12-air").text
+    text = text.replace("[run]", '[inputs]\nu_m1 = { signal = "csv", file = "waves/heave.csv", value = "F" }\n\n[run]')
+    text = text.replace("[run]", '[outputs]\ndrop = ["energy"]\n\n[run]').replace('frame_interval = "1 s"', "")
+    path = tmp_path / "my-heave.toml"
+    path.write_text(text, encoding="utf-8")
+    (tmp_path / "waves").mkdir()
+    (tmp_path / "waves" / "heave.csv").write_bytes(b"t,F\n0,100\n10,300\n")
+    scene = load_scene(path)
+    assert (scene.name, scene.path, scene.text) == ("my-heave", path, text)
+    assert scene.files == {"waves/heave.csv": b"t,F\n0,100\n10,300\n"}
+    assert scene.signals["u_m1"](5.0) == 200.0
+    assert scene.cable.input_start == {"u_m1": 100.0}
+    assert scene.dropped_outputs == ("energy",)
+    assert scene.frame_interval == pytest.approx(31.0 / 30.0)
+    # The same again from what travels inside the FMU
+    again = Scene.from_text(scene.text, name=scene.name, files=scene.files)
+    assert again.signals == scene.signals
+    assert again.cable.parameters == scene.cable.parameters
+    with pytest.raises(SceneError, match=r"^my-heave\.toml: inputs\.u_m1: waves/heave\.csv: there is no such file"):
+        Scene.from_text(scene.text, name=scene.name)
+
+
+def test_a_byte_order_mark_and_foreign_line_ends_do_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "windows.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + load_scene("free-12-air").text.replace("\n", "\r\n").encode())
+    assert load_scene(str(path)).cable.n == 12
+
+
+def test_a_scene_does_not_change() -> None:
+    scene = load_scene("free-12-air")
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        scene.name = "other"  # type: ignore[misc]
+    with pytest.raises(ValueError, match="frozen"):
+        scene.spec.gravity = 1.0
