@@ -172,6 +172,10 @@ def test_mistakes_of_the_caller_are_named() -> None:
         Reference(cable).acceleration(np.zeros(3), q, {})
     with pytest.raises(OptionError, match='input "F_cx" does not exist; allowed: "u_m1"'):
         Reference(cable).acceleration(q, q, {"F_cx": 1.0})
+    with pytest.raises(OptionError, match="v must be finite"):
+        Reference(cable).acceleration(q, np.array([0.0, np.nan, 0.0, 0.0]), {})
+    with pytest.raises(OptionError, match='input "u_m1" must be finite, got inf'):
+        Reference(cable).acceleration(q, q, {"u_m1": np.inf})
     with pytest.raises(OptionError, match='terminal_rule "guess" does not exist; allowed: "virtual_work"'):
         Reference(cable, terminal_rule="guess")  # type: ignore[arg-type]
     with pytest.raises(OptionError, match='heave_rule "" does not exist'):

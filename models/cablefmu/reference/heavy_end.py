@@ -16,7 +16,6 @@ Nothing in it grows with m_c. It is the print's [3.8], only bordered: eliminatin
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
 
 from cablefmu.reference.chain import Array, Chain, Number
 from cablefmu.reference.kinematics import Motion
@@ -53,9 +52,7 @@ def solve_bordered(
     jacobian = _end_jacobian(chain, motion)
     centripetal = -(chain.length * motion.omega**2) @ motion.along
     matrix = np.block([[light_inertia, jacobian.T], [jacobian, -np.eye(2) / chain.end_mass]])
-    solution = scipy.linalg.solve(
-        matrix, np.concatenate([light_right_side, -centripetal]), check_finite=False
-    )
+    solution = np.linalg.solve(matrix, np.concatenate([light_right_side, -centripetal]))
     return solution[:size], solution[size:]
 
 

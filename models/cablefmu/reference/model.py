@@ -94,7 +94,7 @@ class Reference:
         Raises
         ------
         OptionError
-            A wrong shape, or an input that the cable does not have.
+            A wrong shape, a value that is not finite, or an input that the cable does not have.
         """
         return self._solve(q, v, self._motion(q, v, inputs), inputs)[0]
 
@@ -131,15 +131,20 @@ class Reference:
         inertia = inertia_matrix(self._inert, motion)
         if self.heavy_end:
             return solve_bordered(self.chain, motion, inertia, right_side)
-        return scipy.linalg.solve(inertia, right_side, assume_a="pos", check_finite=False), None
+        factor = scipy.linalg.cho_factor(inertia, overwrite_a=True, check_finite=False)
+        return scipy.linalg.cho_solve(factor, right_side, check_finite=False), None
 
     def _motion(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Motion:
         expected = (self.chain.n + 1,)
         for name, value in (("q", q), ("v", v)):
             if np.shape(value) != expected:
                 raise OptionError(f"{name} must have shape {expected}, got {np.shape(value)}.")
-        for name in inputs:
+            if not np.all(np.isfinite(value)):
+                raise OptionError(f"{name} must be finite, got {value}.")
+        for name, force in inputs.items():
             _require("input", name, self.cable.inputs)
+            if not np.isfinite(force):
+                raise OptionError(f'input "{name}" must be finite, got {force}.')
         return motion_of(q, v)
 
 

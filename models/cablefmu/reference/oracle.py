@@ -103,6 +103,8 @@ def _right_side(reference: Reference, inputs: Inputs, stop: float) -> Callable[[
     before, size = float(np.nextafter(stop, -np.inf)), reference.chain.n + 1
 
     def right_side(t: float, state: Floats) -> Floats:
+        if not np.all(np.isfinite(state)):
+            return np.full_like(state, np.nan)  # a trial step that went too far: refused, then shortened
         q, v = state[:size], state[size:]
         return np.concatenate([v, reference.acceleration(q, v, inputs(min(t, before)))])
 
