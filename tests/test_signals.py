@@ -66,7 +66,7 @@ def test_samples_are_joined_by_straight_lines_and_held_outside() -> None:
 
 
 def test_between_breaks_derivatives_predict_the_signal() -> None:
-    # Taylor's series from t, over a tenth of a second: with amplitude 2 and w = pi the rest is 2 (0.1 w)^7 / 7! = 1.2e-7.
+    # Taylor series over a tenth of a second: with amplitude 2 and w = pi the rest is 2 (0.1 w)^7 / 7! = 1.2e-7.
     for signal in (
         Constant(5.0),
         Sine(2.0, 0.5, start=1.0),
