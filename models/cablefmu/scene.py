@@ -7,6 +7,7 @@ Whatever is wrong with it is said at once, in one `SceneError`.
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from collections.abc import Callable, Mapping
@@ -193,11 +194,21 @@ def _decode(data: bytes, source: str) -> str:
 
 def _parse(text: str, source: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
+        data: dict[str, Any] = _bounded(tomllib.loads(text))
     except RecursionError:
         raise SceneError(f"{source}: this is not valid TOML for a scene: too deeply nested") from None
     except ValueError as error:
         raise SceneError(f"{source}: this is not valid TOML: {error}") from None
+    return data
+
+
+def _bounded(data: Any) -> Any:
+    """Integers beyond TOML's 64 bits become infinite, as Python may refuse even to print them."""
+    if isinstance(data, dict):
+        return {key: _bounded(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [_bounded(value) for value in data]
+    return (math.inf if data > 0 else -math.inf) if isinstance(data, int) and abs(data) >= 2**63 else data
 
 
 def _make(text: str, name: str, source: str, path: Path | None, read: Callable[[str], bytes]) -> Scene:

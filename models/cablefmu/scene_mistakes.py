@@ -86,7 +86,9 @@ def _mistake(details: dict[str, Any]) -> Mistake:
             ]
             given = value.get(name, _NOTHING) if isinstance(value, dict) else _NOTHING
             text = f"this key is missing; allowed: {', '.join(allowed)}"
-            return Mistake(f"{key}.{name}", text if given is _NOTHING else nearest(str(given)[:40], allowed), given)
+            return Mistake(
+                f"{key}.{name}", text if given is _NOTHING else nearest(_show(given).strip('"'), allowed), given
+            )
         case "literal_error":
             return Mistake(key, nearest(_show(value).strip('"'), re.findall(r"'([^']*)'", context["expected"])), value)
         case "model_type" | "model_attributes_type" | "dict_type":
