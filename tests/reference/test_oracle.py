@@ -136,8 +136,9 @@ def test_energy_stays_without_losses() -> None:
     links = replace(drawn.links, joint_damping=np.zeros(6))
     cable = replace(drawn, links=links, parameters=drawn.parameters | quiet)
     run = integrate(cable, nothing, np.linspace(0.0, 3.0, 7))
-    scale = np.ptp([q[0] for q in run.q]) * cable.parameters["static_load"] + abs(run.outputs["energy"][0])
-    assert np.abs(np.diff(run.outputs["energy"])).max() < TRAJECTORY * scale
+    heaved = np.ptp(run.q[:, 0]) * cable.parameters["static_load"]  # J, what one term alone exchanged
+    assert heaved > 100.0
+    assert np.ptp(run.outputs["energy"]) < TRAJECTORY * heaved
 
 
 def test_implicit_method_agrees() -> None:
@@ -176,7 +177,7 @@ def test_run_that_blows_up_says_when_and_keeps_what_it_had() -> None:
     def runaway(t: float) -> Mapping[str, float]:
         return {"u_m1": 1e3 / (0.5 - t) ** 3 if t < 0.5 else 1e300}
 
-    with pytest.raises(RunError, match="ended at 0.5 s: Required step size") as caught:
+    with pytest.raises(RunError, match=r"ended at 0\.5 s: Required step size") as caught:
         integrate(cable, runaway, [0.0, 0.1, 1.0], rtol=1e-3, atol=1e-3)
     assert caught.value.time == pytest.approx(0.5, abs=1e-3)
     assert isinstance(caught.value.partial, Trajectory)
