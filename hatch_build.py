@@ -12,24 +12,24 @@ ROOT = Path(__file__).resolve().parent
 BINARIES = ROOT / "models" / "cablefmu" / "binaries"
 
 
-def _recipe() -> Any:
+def _toolchain() -> Any:
     sys.path.insert(0, str(ROOT / "fmu_src"))
     try:
-        import compile as recipe  # fmu_src/compile.py
+        import toolchain
     finally:
         sys.path.pop(0)
-    return recipe
+    return toolchain
 
 
 class BinariesHook(BuildHookInterface):
     """An sdist carries the binaries, so that only a checkout with changed sources asks for the compiler."""
 
     def dependencies(self) -> list[str]:
-        recipe = _recipe()
-        return [] if recipe.is_current(BINARIES) else list(recipe.REQUIREMENTS)
+        toolchain = _toolchain()
+        return [] if toolchain.is_current(BINARIES) else list(toolchain.REQUIREMENTS)
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        recipe = _recipe()
-        if not recipe.is_current(BINARIES):
-            recipe.build_binaries(BINARIES)
+        toolchain = _toolchain()
+        if not toolchain.is_current(BINARIES):
+            toolchain.build_binaries(BINARIES)
         build_data["artifacts"].append("/models/cablefmu/binaries/**")

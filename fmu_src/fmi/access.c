@@ -6,6 +6,7 @@
 #define PARAMETER(name, unit, least, description) {#name, #least},
 #define INPUT(name, unit, description)
 #define OUTPUT(name, unit, nominal, description)
+#define SOLVER(name, unit, description)
 static const struct {
     const char *name, *least; /* "-inf", "0", or "+0" for above zero */
 } PARAMETER_INFO[] = {
@@ -14,6 +15,7 @@ static const struct {
 #undef PARAMETER
 #undef INPUT
 #undef OUTPUT
+#undef SOLVER
 
 static const Variable *lookup(Instance *instance, uint32_t reference)
 {
@@ -40,6 +42,7 @@ static bool get_one(Instance *instance, const Variable *variable, double *value)
     case VARIABLE_PARAMETER: *value = instance->model.parameter[variable->index]; return true;
     case VARIABLE_INPUT: *value = instance->u[variable->index]; return true;
     case VARIABLE_STATE: *value = instance->x[variable->index]; return true;
+    case VARIABLE_SOLVER: *value = instance->solver.counter[variable->index]; return true;
     case VARIABLE_DERIVATIVE:
         if (!refresh_derivatives(instance)) return false;
         *value = instance->derivative[variable->index];
@@ -127,7 +130,7 @@ Status instance_set_input_derivative(Instance *instance, uint32_t reference, int
     if (!variable) return STATUS_ERROR;
     if (variable->kind != VARIABLE_INPUT) return refuse_value(instance, variable, value, "it is not an input");
     if (order < 1 || order > INPUT_ORDERS)
-        return refuse_value(instance, variable, value, "derivatives of order 1 to 5 are taken");
+        return refuse_value(instance, variable, value, "its derivatives of order 1 to 8 are taken");
     if (!isfinite(value)) return refuse_value(instance, variable, value, "its derivative must be a finite number");
     instance->u_derivative[order - 1][variable->index] = value;
     return STATUS_OK;

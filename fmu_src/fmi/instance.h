@@ -14,7 +14,7 @@
 #include "text.h"
 
 /* Time derivatives of an input that a host may give for a communication step (FMI 2), orders 1 ... */
-enum { INPUT_ORDERS = 5 };
+enum { INPUT_ORDERS = 8 };
 
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_ERROR } Status;
 typedef enum { MODEL_EXCHANGE, CO_SIMULATION } Interface;

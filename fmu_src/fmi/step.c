@@ -17,7 +17,7 @@ static bool inputs_at(void *source, double time, double *u)
     }
     const double ahead = time - instance->step_start;
     for (int k = 0; k < INPUT_COUNT; k++) {
-        /* u + u' s + u'' s^2/2 + ... by Horner: (((u5 s/5 + u4) s/4 + u3) s/3 + ...) */
+        /* u + u' s + u'' s^2/2 + ... by Horner: ((... + u3) s/3 + u2) s/2 + ... */
         double sum = 0.0;
         for (int order = INPUT_ORDERS; order >= 1; order--)
             sum = (sum + instance->u_derivative[order - 1][k]) * ahead / order;

@@ -54,7 +54,7 @@ static bool slope_at(const System *system, SolverMemory *memory, double t, const
 {
     if (!system->inputs(system->source, t, u)) return false;
     cable_derivatives(system->model, x, u, system->work, slope);
-    memory->evaluations++;
+    memory->counter[SOLVER_rhs]++;
     return true;
 }
 
@@ -153,7 +153,7 @@ static bool ensure_slope(const System *system, SolverMemory *memory, const Stage
     if (memory->has_slope && memcmp(u, memory->slope_u, sizeof u) == 0) return true;
     memcpy(memory->slope_u, u, sizeof u);
     cable_derivatives(system->model, x, u, system->work, stages->slope[0]);
-    memory->evaluations++;
+    memory->counter[SOLVER_rhs]++;
     memory->has_slope = true;
     return true;
 }
@@ -175,7 +175,7 @@ static void accept(SolverMemory *memory, double h, double error, bool rejected_b
     const bool cut_short = h < memory->step && change >= 1.0;
     memory->step = cut_short ? fmax(memory->step, h * change) : h * change;
     memory->error_before = error;
-    memory->steps++;
+    memory->counter[SOLVER_steps]++;
 }
 
 /* error may be NaN: then nothing is known but that the step was far too long. */
@@ -183,7 +183,7 @@ static void reject(SolverMemory *memory, double h, double error)
 {
     const double change = error == error ? change_of_step(error, 1.0) : LEAST_CHANGE;
     memory->step = h * fmin(fmax(change, LEAST_CHANGE), SAFETY);
-    memory->rejected++;
+    memory->counter[SOLVER_rejected]++;
 }
 
 SolverStatus explicit_advance(const System *system, SolverMemory *memory, double *block, double *t, double t_end,

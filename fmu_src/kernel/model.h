@@ -16,6 +16,7 @@
 #define PARAMETER(name, unit, least, description) P_##name,
 #define INPUT(name, unit, description)
 #define OUTPUT(name, unit, nominal, description)
+#define SOLVER(name, unit, description)
 typedef enum {
 #include "variables.def"
     PARAMETER_COUNT
@@ -23,10 +24,12 @@ typedef enum {
 #undef PARAMETER
 #undef INPUT
 #undef OUTPUT
+#undef SOLVER
 
 #define PARAMETER(name, unit, least, description)
 #define INPUT(name, unit, description) U_##name,
 #define OUTPUT(name, unit, nominal, description)
+#define SOLVER(name, unit, description)
 typedef enum {
 #include "variables.def"
     INPUT_COUNT
@@ -34,10 +37,12 @@ typedef enum {
 #undef PARAMETER
 #undef INPUT
 #undef OUTPUT
+#undef SOLVER
 
 #define PARAMETER(name, unit, least, description)
 #define INPUT(name, unit, description)
 #define OUTPUT(name, unit, nominal, description) Y_##name,
+#define SOLVER(name, unit, description)
 typedef enum {
 #include "variables.def"
     OUTPUT_COUNT
@@ -45,6 +50,20 @@ typedef enum {
 #undef PARAMETER
 #undef INPUT
 #undef OUTPUT
+#undef SOLVER
+
+#define PARAMETER(name, unit, least, description)
+#define INPUT(name, unit, description)
+#define OUTPUT(name, unit, nominal, description)
+#define SOLVER(name, unit, description) SOLVER_##name,
+typedef enum {
+#include "variables.def"
+    SOLVER_COUNT
+} SolverCounter;
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+#undef SOLVER
 
 /* What hangs at P_n; numbers as in the resource file. */
 typedef enum { TERMINAL_LOAD, TERMINAL_ANCHOR_MASS, TERMINAL_ANCHOR_SPRING, TERMINAL_FLOATER, TERMINAL_COUNT } Terminal;

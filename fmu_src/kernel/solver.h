@@ -35,7 +35,7 @@ typedef struct {
     double error_before;         /* scaled error of the last accepted step */
     bool has_slope;              /* slope holds f(t, x) of the present point for the inputs slope_u */
     double slope_u[INPUT_COUNT];
-    uint64_t steps, rejected, evaluations;
+    double counter[SOLVER_COUNT]; /* since the start: whole numbers, as hosts read them */
 } SolverMemory;
 
 typedef SolverStatus (*SolverAdvance)(const System *system, SolverMemory *memory, double *block, double *t,

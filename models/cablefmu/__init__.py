@@ -1,3 +1,30 @@
-"""Functional Mock-up Units of underwater cables, from a scene file."""
+"""Functional Mock-up Units of underwater cables, from a scene file.
+
+>>> import cablefmu
+>>> scene = cablefmu.load_scene("free-12-water")
+>>> path = cablefmu.build_fmu(scene, "cable.fmu")          # an FMU for any FMI tool
+>>> result = cablefmu.simulate(scene, stop_time=10.0)      # an xarray Dataset
+>>> float(result.x_c[-1])                                  # doctest: +SKIP
+"""
 
 __version__ = "0.1.0"
+
+from .errors import CableError, FmuError, OptionError, RunError, SceneError, UserError
+from .fmu.archive import build_fmu
+from .scene import Scene, load_scene, shipped_scenes
+from .simulate import simulate
+
+__all__ = [
+    "CableError",
+    "FmuError",
+    "OptionError",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "UserError",
+    "__version__",
+    "build_fmu",
+    "load_scene",
+    "shipped_scenes",
+    "simulate",
+]

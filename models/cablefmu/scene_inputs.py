@@ -17,12 +17,13 @@ from pydantic import (
 )
 
 from cablefmu import units as u
+from cablefmu.fmu.table import table
 from cablefmu.scene_table import Table, context_of
 from cablefmu.signals import Constant, CsvError, Sampled, Signal, Sine, Steps, read_csv
 
 __all__ = ["INPUTS", "Input", "InputsTable", "build_signal"]
 
-INPUTS = ("u_m1", "u_m2", "F_cx", "F_cy")
+INPUTS = tuple(table().inputs)
 """All inputs that a scene may have, in their fixed order."""
 
 

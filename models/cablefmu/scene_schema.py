@@ -16,6 +16,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
 from cablefmu import units as u
+from cablefmu.fmu.table import table
 from cablefmu.scene_inputs import INPUTS, InputsTable
 from cablefmu.scene_table import PerLink, Table, one_per_link
 
@@ -24,9 +25,7 @@ __all__ = ["OUTPUTS", "Spec", "inputs_of", "schema_text"]
 MAX_LINKS = 10_000
 MAX_OUTPUT_ROWS = 10_000_000
 
-OUTPUTS = (
-    "y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c", "tension_top", "tension_end", "tension_max", "energy",
-)  # fmt: skip
+OUTPUTS = (*table().outputs, *table().solver)
 
 
 def _format(value: object) -> object:

@@ -125,9 +125,7 @@ def derive(n: int) -> Derivation:
         end_energy += ends.stiffness[axis] * stretch**2 / 2 - ends.preload[axis] * stretch
         end_loss += ends.damping[axis] * speed**2 / 2
     inputs = {name: sp.Symbol(name, real=True) for name in INPUT_NAMES}
-    return Derivation(
-        chain, q, v, inputs, centres, point, kinetic, weights, springs, loss, end_energy, end_loss
-    )
+    return Derivation(chain, q, v, inputs, centres, point, kinetic, weights, springs, loss, end_energy, end_loss)
 
 
 def same(left: Any, right: Any) -> bool:

@@ -46,8 +46,7 @@ def test_2_8_links_above_count_with_their_whole_rise(as_printed: bool) -> None:
     heights = [above[i] + rise[i] / 2 for i in range(N)]
     energy = d.chain.gravity * (sum(d.chain.wet_mass * heights) + d.chain.end_wet_mass * above[N])
     agrees = [
-        same(sp.diff(energy, angle), row)
-        for angle, row in zip(d.q[1:], d.gradient(d.weight_energy)[1:], strict=True)
+        same(sp.diff(energy, angle), row) for angle, row in zip(d.q[1:], d.gradient(d.weight_energy)[1:], strict=True)
     ]
     # the last link has none below it but the load, whose height is halved as well
     assert agrees == [not as_printed] * N
@@ -60,9 +59,7 @@ def test_2_17_centres_end_with_their_own_half_link(as_printed: bool) -> None:
     chain, kinetic = d.chain, sp.Integer(0)
     for i in range(N):
         last = N - 1 if as_printed else i
-        links = [
-            chain.length[k] * sp.Matrix([sp.sin(d.q[k + 1]), sp.cos(d.q[k + 1])]) for k in range(last + 1)
-        ]
+        links = [chain.length[k] * sp.Matrix([sp.sin(d.q[k + 1]), sp.cos(d.q[k + 1])]) for k in range(last + 1)]
         centre = sp.Matrix([0, d.q[0]]) + sum(links[:-1], sp.zeros(2, 1)) + links[-1] / 2
         kinetic += chain.mass[i] * d.rate(centre).dot(d.rate(centre)) / 2
     expected = inertia_matrix(_without_ends(chain), d.motion)

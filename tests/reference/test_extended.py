@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from cablefmu.cable import Terminal
-from cablefmu.reference import Reference, extended_acceleration, extended_outputs
+from cablefmu.reference import Reference
+from cablefmu.reference.extended import extended_acceleration, extended_outputs
 from tests.random_cables import random_cable, random_inputs, random_state
 
 

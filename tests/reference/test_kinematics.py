@@ -35,9 +35,7 @@ def test_velocity_and_acceleration_are_derivatives_of_position() -> None:
         a, step = exact(rng.normal(size=8)), mpmath.mpf(10) ** -15
 
         def at(t: object) -> np.ndarray:
-            moved = motion_of(
-                q + v * t + a * t * t / 2, v + a * t, vectorised(mpmath.sin), vectorised(mpmath.cos)
-            )
+            moved = motion_of(q + v * t + a * t * t / 2, v + a * t, vectorised(mpmath.sin), vectorised(mpmath.cos))
             return points(chain, moved)
 
         now = motion_of(q, v, vectorised(mpmath.sin), vectorised(mpmath.cos))

@@ -41,6 +41,4 @@ def test_quadratic_form_is_the_energy_of_the_parts(terminal: Terminal) -> None:
     chain, (q, v) = chain_of(cable), random_state(rng, cable)
     motion = motion_of(q, v)
     # both are sums of some 40^2 positive and negative terms: a few hundred roundings
-    assert v @ inertia_matrix(chain, motion) @ v / 2 == pytest.approx(
-        kinetic_energy(chain, motion), rel=1e-12
-    )
+    assert v @ inertia_matrix(chain, motion) @ v / 2 == pytest.approx(kinetic_energy(chain, motion), rel=1e-12)

@@ -13,7 +13,8 @@ import sympy as sp
 
 from cablefmu.cable import Cable, Drag, Terminal
 from cablefmu.errors import OptionError
-from cablefmu.reference import Reference, extended_acceleration
+from cablefmu.reference import Reference
+from cablefmu.reference.extended import extended_acceleration
 from tests.random_cables import KINDS, random_cable, random_inputs, random_state
 from tests.reference.lagrangian import INPUT_NAMES, derive
 
@@ -117,9 +118,7 @@ def test_heave_rules_differ_by_the_static_load_on_the_floater() -> None:
     (q, v), inputs = random_state(rng, cable), random_inputs(rng, cable)
     load = cable.parameters["static_load"]
     lifted = Reference(cable).acceleration(q, v, inputs)
-    appendix = Reference(cable, heave_rule="none").acceleration(
-        q, v, inputs | {"u_m1": inputs["u_m1"] - load}
-    )
+    appendix = Reference(cable, heave_rule="none").acceleration(q, v, inputs | {"u_m1": inputs["u_m1"] - load})
     assert lifted == pytest.approx(appendix, rel=1e-9)
     assert Reference(cable, heave_rule="none").acceleration(q, v, inputs)[0] > lifted[0]
 

@@ -93,6 +93,23 @@ def test_straight_hanging_cable_is_one_oscillator_under_a_stepping_force() -> No
     assert at_jump == pytest.approx(weight - hanging * 900.0 / mass, rel=1e-12)
 
 
+def test_steps_before_a_jump_never_see_it() -> None:
+    """Once the force after the jump has been asked for, that before it is not: no step is tried twice."""
+    cable = random_cable(np.random.default_rng(49), 2, Terminal.LOAD, water=False)
+    asked: list[float] = []
+
+    def push(t: float) -> Mapping[str, float]:
+        asked.append(t)
+        return {"F_cx": 0.0 if t < 0.3 else 1e4}
+
+    integrate(cable, push, [0.0, 0.6], breaks=[0.3])
+    stepping = asked[:-2]  # the last two are for the outputs at 0 and 0.6 s
+    first_after = next(i for i, t in enumerate(stepping) if t >= 0.3)
+    assert stepping[first_after] == 0.3
+    assert all(t < 0.3 for t in stepping[:first_after])
+    assert all(t >= 0.3 for t in stepping[first_after:])
+
+
 def test_large_swing_under_a_free_floater_takes_the_quadrature_of_its_energy() -> None:
     """One link let go at 120 degrees from a floater that is free to heave and carried at rest.
 

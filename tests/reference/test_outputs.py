@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from cablefmu.cable import Cable, Drag, Floats, Terminal
-from cablefmu.reference import Reference, extended_acceleration
+from cablefmu.reference import Reference
 from cablefmu.reference.chain import chain_of
+from cablefmu.reference.extended import extended_acceleration
 from cablefmu.reference.kinematics import motion_of, velocities
 from cablefmu.reference.outputs import energy, joint_forces, powers, pulls
 from tests.random_cables import KINDS, random_cable, random_inputs, random_state
@@ -29,9 +30,7 @@ def moving(n: int, terminal: Terminal, water: bool, drag: Drag) -> tuple[Cable, 
 
 
 @pytest.mark.parametrize(("terminal", "water", "drag"), KINDS)
-def test_joint_forces_turn_every_link_and_carry_the_floater(
-    terminal: Terminal, water: bool, drag: Drag
-) -> None:
+def test_joint_forces_turn_every_link_and_carry_the_floater(terminal: Terminal, water: bool, drag: Drag) -> None:
     """Joint forces come from the sum of forces alone, so the moments and the floater are a check.
 
     I_i th_i'' = -l_i/2 n_i . (R_i + R_{i+1}) + T_{i+1} - T_i and

@@ -163,9 +163,7 @@ def _drag(cable: Cable, rho_w: Number, coefficient: Array, area: Array) -> Array
     return by_kind[cable.drag]
 
 
-def _end_wet_mass(
-    cable: Cable, rho_w: Number, end_mass: Number, parameter: Callable[[str], Number]
-) -> Number:
+def _end_wet_mass(cable: Cable, rho_w: Number, end_mass: Number, parameter: Callable[[str], Number]) -> Number:
     """m_c - rho_w V_c, or 0 where the terminal floats or is neutrally buoyant [2.2.2]."""
     if cable.terminal in (Terminal.ANCHOR_MASS, Terminal.FLOATER):
         return end_mass * 0

@@ -56,9 +56,7 @@ def extended_outputs(
         return output_values(chain, motion, acceleration, forces)
 
 
-def _exact(
-    cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]
-) -> tuple[Chain, Motion, dict[str, Any]]:
+def _exact(cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]) -> tuple[Chain, Motion, dict[str, Any]]:
     exact, sin, cos = (np.vectorize(f, otypes=[object]) for f in (mpmath.mpf, mpmath.sin, mpmath.cos))
     motion = motion_of(exact(q), exact(v), sin, cos)
     return chain_of(cable, mpmath.mpf), motion, {name: mpmath.mpf(value) for name, value in inputs.items()}

@@ -31,9 +31,7 @@ def is_heavy(chain: Chain) -> bool:
     return bool(chain.end_mass > HEAVY * chain.mass.sum())
 
 
-def solve_bordered(
-    chain: Chain, motion: Motion, light_inertia: Array, light_right_side: Array
-) -> tuple[Array, Array]:
+def solve_bordered(chain: Chain, motion: Motion, light_inertia: Array, light_right_side: Array) -> tuple[Array, Array]:
     """Accelerations and the end's inertia force.
 
     Parameters

@@ -121,9 +121,7 @@ class Reference:
             lines.append(f"{name:<18}{right:>16.6g}{printed:>16.6g}{printed - right:>16.6g}")
         return "\n".join(lines)
 
-    def _solve(
-        self, q: Floats, v: Floats, motion: Motion, inputs: Mapping[str, float]
-    ) -> tuple[Floats, Floats | None]:
+    def _solve(self, q: Floats, v: Floats, motion: Motion, inputs: Mapping[str, float]) -> tuple[Floats, Floats | None]:
         """x'', and m_c P_n'' where it is an unknown of its own (see `heavy_end`)."""
         T = generalised_forces(self.chain, motion, inputs, self.terminal_rule)
         F, G = velocity_vector(self._inert, motion), gravity_vector(self.chain, motion)

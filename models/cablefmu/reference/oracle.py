@@ -111,9 +111,7 @@ def _right_side(reference: Reference, inputs: Inputs, stop: float) -> Callable[[
     return right_side
 
 
-def _trajectory(
-    reference: Reference, inputs: Inputs, times: Floats, states: Mapping[float, Floats]
-) -> Trajectory:
+def _trajectory(reference: Reference, inputs: Inputs, times: Floats, states: Mapping[float, Floats]) -> Trajectory:
     size = reference.chain.n + 1
     table = np.array([states[t] for t in times])
     q, v = table[:, :size], table[:, size:]

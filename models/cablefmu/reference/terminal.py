@@ -36,10 +36,7 @@ def terminal_force(chain: Chain, motion: Motion, inputs: Mapping[str, Number]) -
     position, velocity = points(chain, motion)[-1], velocities(chain, motion)[-1]
     external = np.array([inputs.get("F_cx", 0.0), inputs.get("F_cy", 0.0) + inputs.get("u_m2", 0.0)])
     force: Array = (
-        external
-        + springs.preload
-        - springs.stiffness * (position - springs.rest)
-        - springs.damping * velocity
+        external + springs.preload - springs.stiffness * (position - springs.rest) - springs.damping * velocity
     )
     return force
 

@@ -52,7 +52,9 @@ def fmi_headers() -> Path:
 def source_hash() -> str:
     """SHA-256 over everything that the binaries are made of, this recipe included."""
     digest = hashlib.sha256()
-    files = sorted(p for folder in ("kernel", "fmi") for p in (HERE / folder).iterdir() if p.suffix in {".c", ".h", ".def"})
+    files = sorted(
+        p for folder in ("kernel", "fmi") for p in (HERE / folder).iterdir() if p.suffix in {".c", ".h", ".def"}
+    )
     for path in [*files, Path(__file__)]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes().replace(b"\r\n", b"\n"))
     return digest.hexdigest()
@@ -79,6 +81,7 @@ def build_binaries(folder: Path) -> None:
     for platform, (target, name) in TARGETS.items():
         compile_library(folder / platform / name, kernel_sources() + fmi_sources(), RELEASE, target=target)
     (folder / "variables.def").write_bytes((HERE / "kernel" / "variables.def").read_bytes())
+    (folder / "LICENSE").write_bytes((HERE.parent / "LICENSE").read_bytes())
     (folder / "source_hash.txt").write_text(source_hash() + "\n")
 
 
@@ -87,3 +90,7 @@ def is_current(folder: Path) -> bool:
     stamp = folder / "source_hash.txt"
     built = all((folder / platform / name).is_file() for platform, (_, name) in TARGETS.items())
     return built and stamp.is_file() and stamp.read_text().strip() == source_hash()
+
+
+if __name__ == "__main__":  # python fmu_src/toolchain.py: after a change of the C sources, in a development checkout
+    build_binaries(HERE.parent / "models" / "cablefmu" / "binaries")

@@ -1,0 +1,168 @@
+"""The command `cablefmu`.
+
+Exit status: 0 on success, 2 for a mistake in what the user gave, 1 when a run itself failed.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import App, CycloptsError, Parameter
+from rich.console import Console
+
+from . import __version__
+from .errors import CableError, OptionError, RunError
+from .fmu.archive import build_fmu, default_path, open_fmu
+from .plot import plot_frames
+from .progress import showing_progress
+from .results import write_results
+from .scene import Scene, load_scene, shipped_scenes
+from .simulate import simulate
+from .summary import print_summary
+
+__all__ = ["app", "main"]
+
+app = App(
+    name="cablefmu",
+    help="Functional Mock-up Units of underwater cables, from a scene file.",
+    version=f"cablefmu {__version__}",
+    help_format="plaintext",
+)
+
+SceneName = Annotated[str, Parameter(help="A shipped scene's name (see `cablefmu scenes`) or the path of a TOML file.")]
+
+
+@app.command
+def scenes(name: str | None = None, /) -> None:
+    """List the scenes that ship; with NAME print that scene's TOML, ready to edit."""
+    if name is not None:
+        sys.stdout.write(load_scene(name).text)
+        return
+    for shipped in shipped_scenes():
+        print(f"{shipped}  {load_scene(shipped).description}")
+
+
+@app.command
+def build(
+    scene: SceneName,
+    /,
+    *,
+    output: Annotated[
+        Path | None, Parameter(name=["--output", "-o"], help="File to write; ./build/NAME.fmu by default.")
+    ] = None,
+    fmi: Annotated[Literal[2, 3], Parameter(help="Version of FMI.")] = 2,
+) -> None:
+    """Build a scene's FMU: Model Exchange and Co-Simulation in one archive."""
+    path = build_fmu(load_scene(scene), output, fmi=fmi)
+    print(path)
+
+
+@app.command
+def run(
+    scene: Annotated[str, Parameter(help="A shipped scene's name, a TOML file, or an FMU from `cablefmu build`.")],
+    /,
+    *,
+    fmi: Annotated[Literal[2, 3] | None, Parameter(help="Version of FMI; 2 unless an FMU is given.")] = None,
+    interface: Annotated[
+        Literal["cs", "me"], Parameter(help="Co-Simulation, or Model Exchange under FMPy's CVode.")
+    ] = "cs",
+    stop_time: Annotated[float | None, Parameter(help="[s]; the scene's by default.")] = None,
+    step: Annotated[
+        float | None, Parameter(help="Communication step and output interval [s]; the scene's by default.")
+    ] = None,
+    tolerance: Annotated[
+        float | None, Parameter(help="Relative tolerance; 1e-6 unless the scene says otherwise.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        Parameter(
+            name="--set", consume_multiple=True, help="NAME=VALUE: parameters, constant inputs, start values (SI)."
+        ),
+    ] = None,
+    record: Annotated[
+        list[str] | None,
+        Parameter(consume_multiple=True, help="Further variables: theta, omega, or names such as theta[3]."),
+    ] = None,
+    plot: Annotated[Path | None, Parameter(help="Picture of the cable at regular times, FILE.png.")] = None,
+    output: Annotated[
+        Path | None,
+        Parameter(name=["--output", "-o"], help="Results, FILE.csv or FILE.nc; ./build/NAME.csv by default."),
+    ] = None,
+) -> None:
+    """Build a scene's FMU (or take one), run it through FMPy, and write its outputs."""
+    given = _assignments(set_ or [])
+    what, name, frame_interval = _archive_for(scene, fmi)
+    results = output or Path("build") / f"{name}.csv"
+    if results.suffix not in {".csv", ".nc"}:
+        raise OptionError(f"output = {results}: a name that ends with .csv or .nc is expected")
+    wanted = [*(record or []), *(("theta", "y_m1") if plot else ())]
+    failure: RunError | None = None
+    with showing_progress(name) as progress:
+        try:
+            result = simulate(
+                what, interface=interface, stop_time=stop_time, step=step, tolerance=tolerance, parameters=given,
+                record=wanted, progress=progress,
+            )  # fmt: skip
+        except RunError as error:
+            if error.partial is None:
+                raise
+            failure, result = error, error.partial  # type: ignore[assignment]
+    if plot:
+        plot_frames(result, plot, frame_interval)
+        if "theta" not in (record or []):
+            result = result.drop_dims("link")
+    write_results(result, results)
+    print_summary(result, Console())
+    print(f"results: {results}" + (f", picture: {plot}" if plot else ""))
+    if failure is not None:
+        raise RunError(f"the run ended at t = {failure.time:g} s; the results up to then are kept.\n{failure}")
+
+
+def _archive_for(scene: str, fmi: int | None) -> tuple[Path, str, float]:
+    """The FMU to run, made anew unless it was given; the name of its scene; the time between pictures [s]."""
+    if Path(scene).suffix == ".fmu":
+        archive = open_fmu(scene)
+        if fmi not in (None, archive.fmi):
+            raise OptionError(f"fmi = {fmi}: {scene} is an FMU of version {archive.fmi}; leave --fmi out")
+        return archive.path, archive.scene.name, archive.scene.frame_interval
+    loaded: Scene = load_scene(scene)
+    path = build_fmu(loaded, default_path(loaded, fmi or 2), fmi=fmi or 2)
+    return path, loaded.name, loaded.frame_interval
+
+
+def _assignments(texts: list[str]) -> dict[str, float]:
+    """NAME=VALUE, each name once."""
+    given: dict[str, float] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            number = None
+        if not equals or not name or number is None:
+            raise OptionError(f"set {text}: NAME=VALUE with a number in SI units is expected, for example M_1=6000")
+        if name in given:
+            raise OptionError(f"set {text}: {name} was set before in the same command; once is allowed")
+        given[name] = number
+    return given
+
+
+def main() -> None:
+    """Entry point: runs the command and ends the process with its exit status."""
+    errors = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
+    try:
+        app(exit_on_error=False, print_error=False)
+    except CycloptsError as error:
+        errors.print(f"cablefmu: {str(error).strip()}")
+        sys.exit(2)
+    except CableError as error:
+        errors.print(f"cablefmu: {error}")
+        sys.exit(error.exit_status)
+    except KeyboardInterrupt:
+        errors.print("cablefmu: interrupted")
+        sys.exit(130)
+    except BrokenPipeError:
+        sys.stderr.close()
+        sys.exit(0)

@@ -1,0 +1,350 @@
+"""One FMU instance through FMPy, driven from one output time to the next.
+
+Four drivers with one face: FMI 2 and 3, Co-Simulation (the FMU integrates) and Model Exchange (FMPy's
+CVode integrates).
+"""
+
+from __future__ import annotations
+
+import ctypes
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from fmpy import fmi2, fmi3
+from fmpy.fmi1 import FMICallException
+from fmpy.sundials import CVodeSolver
+from fmpy.sundials.libraries import sundials_cvode
+
+from .errors import RunError
+from .feed import Feed
+
+__all__ = ["Driver", "Setup", "make_driver"]
+
+Setup = Callable[["Driver"], None]
+_MOST_STEPS = 1_000_000  # of CVode within one output interval; bounded work instead of a hang
+
+
+class Driver(Protocol):
+    """An instance between instantiate and free."""
+
+    messages: list[str]
+
+    def start(
+        self, start: float, stop: float, tolerance: float, references: Sequence[int], values: Sequence[float]
+    ) -> None:
+        """Initialise, with these variables set before."""
+
+    def get(self, references: Sequence[int]) -> list[float]:
+        """Values of variables at the present time."""
+
+    def advance(self, time: float, end: float) -> None:
+        """From `time` to `end`, between which no force jumps."""
+
+    def counters(self) -> dict[str, int]:
+        """Steps, rejected steps and right-hand sides so far, as far as the solver tells."""
+
+    def close(self) -> None:
+        """Free the instance and its library."""
+
+
+class _Base(ABC):
+    """What all four share: messages, variables by name, errors as `RunError`."""
+
+    def __init__(self, description: Any, feed: Feed) -> None:
+        self.messages: list[str] = []
+        self.feed = feed
+        self.reference = {variable.name: variable.valueReference for variable in description.modelVariables}
+        self.inputs = [self.reference[name] for name in feed.names]
+        self.fmu: Any = None
+
+    def close(self) -> None:
+        if self.fmu is not None and self.fmu.component is not None:
+            self.fmu.freeInstance()
+            self.fmu = None
+
+    def failed(self, what: str) -> RunError:
+        return RunError(self.messages[-1] if self.messages else f"{what} failed without a message")
+
+    def counters(self) -> dict[str, int]:
+        names = [name for name in ("solver.steps", "solver.rejected", "solver.rhs") if name in self.reference]
+        values = self.get([self.reference[name] for name in names])
+        return {name.removeprefix("solver."): int(value) for name, value in zip(names, values, strict=True)}
+
+    @abstractmethod
+    def get(self, references: Sequence[int]) -> list[float]:
+        """Values of variables at the present time."""
+
+    @abstractmethod
+    def set_inputs(self, values: Sequence[float]) -> None:
+        """Set every force input [N]."""
+
+    def _call(self, what: str, function: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
+        try:
+            return function(*arguments, **named)
+        except FMICallException:
+            raise self.failed(what) from None
+
+
+class _Fmi2(_Base):
+    """Life cycle and variables of FMI 2."""
+
+    def instantiate(self, kind: type, description: Any, interface: Any, folder: str) -> None:
+        self.fmu = kind(
+            guid=description.guid, unzipDirectory=folder, modelIdentifier=interface.modelIdentifier,
+            instanceName=description.modelName,
+        )  # fmt: skip
+
+        def log(environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+            self.messages.append(message.decode("utf-8", "replace"))
+
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log)
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
+        self._callbacks = callbacks  # must outlive the instance
+        _instantiate(self, lambda: self.fmu.instantiate(callbacks=callbacks))
+
+    def start(
+        self, start: float, stop: float, tolerance: float, references: Sequence[int], values: Sequence[float]
+    ) -> None:
+        self._call("fmi2SetupExperiment", self.fmu.setupExperiment, tolerance=tolerance, startTime=start, stopTime=stop)
+        self._call("fmi2SetReal", self.fmu.setReal, list(references), list(values))
+        self._call("fmi2EnterInitializationMode", self.fmu.enterInitializationMode)
+        self._call("fmi2SetReal", self.fmu.setReal, self.inputs, self.feed.values(start))
+        self._call("fmi2ExitInitializationMode", self.fmu.exitInitializationMode)
+        self.started(start, tolerance)
+
+    def started(self, start: float, tolerance: float) -> None:
+        """Hook for what an interface does after initialisation."""
+
+    def get(self, references: Sequence[int]) -> list[float]:
+        return list(self._call("fmi2GetReal", self.fmu.getReal, list(references)))
+
+    def set_inputs(self, values: Sequence[float]) -> None:
+        self._call("fmi2SetReal", self.fmu.setReal, self.inputs, list(values))
+
+
+class Fmi2CoSimulation(_Fmi2):
+    """The FMU integrates; forces follow their derivatives inside a step."""
+
+    def __init__(self, description: Any, folder: str, feed: Feed) -> None:
+        super().__init__(description, feed)
+        self.instantiate(fmi2.FMU2Slave, description, description.coSimulation, folder)
+
+    def advance(self, time: float, end: float) -> None:
+        while time < end:
+            reach = self.feed.polynomial_reach(time, end)
+            self.set_inputs(self.feed.values(time))
+            self._set_derivatives(time)
+            self._call(
+                "fmi2DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=reach - time
+            )
+            time = reach
+
+    def _set_derivatives(self, time: float) -> None:
+        if not self.feed.varies:
+            return
+        references, orders, values = [], [], []
+        for reference, derivatives in zip(self.inputs, self.feed.derivatives(time), strict=True):
+            for order, value in enumerate(derivatives, start=1):
+                references.append(reference)
+                orders.append(order)
+                values.append(value)
+        self._call("fmi2SetRealInputDerivatives", self.fmu.setRealInputDerivatives, references, orders, values)
+
+
+class _Fmi3(_Base):
+    """Life cycle and variables of FMI 3."""
+
+    def make(self, kind: type, description: Any, interface: Any, folder: str) -> None:
+        self.fmu = kind(
+            guid=description.guid, unzipDirectory=folder, modelIdentifier=interface.modelIdentifier,
+            instanceName=description.modelName,
+        )  # fmt: skip
+
+        def log(environment: Any, status: int, category: bytes, message: bytes) -> None:
+            self.messages.append(message.decode("utf-8", "replace"))
+
+        self._log = log
+
+    def start(
+        self, start: float, stop: float, tolerance: float, references: Sequence[int], values: Sequence[float]
+    ) -> None:
+        self._call("fmi3SetFloat64", self.fmu.setFloat64, list(references), list(values))
+        self._call(
+            "fmi3EnterInitializationMode",
+            self.fmu.enterInitializationMode,
+            tolerance=tolerance,
+            startTime=start,
+            stopTime=stop,
+        )
+        self._call("fmi3SetFloat64", self.fmu.setFloat64, self.inputs, self.feed.values(start))
+        self._call("fmi3ExitInitializationMode", self.fmu.exitInitializationMode)
+        self.started(start, tolerance)
+
+    def started(self, start: float, tolerance: float) -> None:
+        """Hook for what an interface does after initialisation."""
+
+    def get(self, references: Sequence[int]) -> list[float]:
+        return list(self._call("fmi3GetFloat64", self.fmu.getFloat64, list(references)))
+
+    def set_inputs(self, values: Sequence[float]) -> None:
+        self._call("fmi3SetFloat64", self.fmu.setFloat64, self.inputs, list(values))
+
+
+class Fmi3CoSimulation(_Fmi3):
+    """The FMU integrates; inside a step it asks for the forces (intermediate update)."""
+
+    def __init__(self, description: Any, folder: str, feed: Feed) -> None:
+        super().__init__(description, feed)
+        self._end = 0.0
+        self.make(fmi3.FMU3Slave, description, description.coSimulation, folder)
+        self._references = (ctypes.c_uint32 * len(self.inputs))(*self.inputs)
+        self._values = (ctypes.c_double * len(self.inputs))()
+
+        def update(environment: Any, time: float, *_: Any) -> None:
+            self._values[:] = self.feed.values_before(time, self._end)  # type: ignore[assignment]  # ctypes converts
+            count = len(self.inputs)
+            self.fmu.fmi3SetFloat64(self.fmu.component, self._references, count, self._values, count)
+
+        asked = {"requiredIntermediateVariables": self.inputs, "intermediateUpdate": update} if feed.varies else {}
+        _instantiate(self, lambda: self.fmu.instantiate(logMessage=self._log, **asked))
+
+    def advance(self, time: float, end: float) -> None:
+        self._end = end
+        self.set_inputs(self.feed.values(time))
+        self._call("fmi3DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=end - time)
+
+
+class _ModelExchange(_Base):
+    """FMPy's CVode (BDF, dense Jacobian by differences) integrates."""
+
+    number_of_states: int
+
+    def begin(
+        self, start: float, tolerance: float, set_time: Callable[[float], None], call: dict[str, Callable[..., Any]]
+    ) -> None:
+        self._error: RunError | None = None
+        self._limit = self._jump = float("inf")
+        self._evaluations = 0
+        self._counted = {"steps": 0, "rejected": 0}
+        self._set_time = set_time
+
+        def at(time: float) -> None:
+            set_time(time)
+            self.set_inputs(self.feed.values_before(time, self._jump))
+
+        def derivatives(pointer: Any, count: int) -> None:
+            self._evaluations += 1
+            call["get_derivatives"](pointer, count)
+
+        self._solver = CVodeSolver(
+            nx=self.number_of_states, nz=0, get_x=call["get_states"], set_x=self._guarded(call["set_states"]),
+            get_dx=self._guarded(derivatives), get_z=lambda *_: None, get_nominals=call["get_nominals"],
+            set_time=self._guarded(at), input=None, startTime=start, relativeTolerance=tolerance,
+            maxNumSteps=_MOST_STEPS,
+        )  # fmt: skip
+
+    def _guarded(self, function: Callable[..., None]) -> Callable[..., None]:
+        """An error inside CVode's call-back cannot pass through C: remember it, raise it after the step."""
+
+        def guarded(*arguments: Any) -> None:
+            if self._error is not None:
+                return
+            try:
+                function(*arguments)
+            except RunError as error:
+                self._error = error
+            except FMICallException:
+                self._error = self.failed("an evaluation")
+
+        return guarded
+
+    def advance(self, time: float, end: float) -> None:
+        # CVode steps past `end` and interpolates: beyond the next jump it must not see the force after it.
+        jump = self.feed.next_break(time, float("inf"))
+        if jump != self._jump:
+            self._jump = jump
+            self._add_cvode_counters()
+            self._solver.reset(time)
+        try:
+            self._solver.step(time, end)
+        except RuntimeError as error:
+            raise self._error or RunError(f"CVode gave up: {error}") from None
+        if self._error is not None:
+            raise self._error
+        self._set_time(end)
+        self.set_inputs(self.feed.values_before(end, self._jump))
+
+    def counters(self) -> dict[str, int]:
+        self._add_cvode_counters()
+        return {**self._counted, "rhs": self._evaluations}
+
+    def _add_cvode_counters(self) -> None:
+        """CVode counts from its last reset: add up before every reset and at the end."""
+        for name, function in (("steps", "CVodeGetNumSteps"), ("rejected", "CVodeGetNumErrTestFails")):
+            count = ctypes.c_long()
+            get = getattr(sundials_cvode, function)
+            get.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_long)]
+            get(self._solver.cvode_mem, ctypes.byref(count))
+            self._counted[name] += count.value
+
+
+class Fmi2ModelExchange(_ModelExchange, _Fmi2):
+    """FMI 2 under CVode."""
+
+    def __init__(self, description: Any, folder: str, feed: Feed) -> None:
+        super().__init__(description, feed)
+        self.number_of_states = description.numberOfContinuousStates
+        self.instantiate(fmi2.FMU2Model, description, description.modelExchange, folder)
+
+    def started(self, start: float, tolerance: float) -> None:
+        self._call("fmi2NewDiscreteStates", self.fmu.newDiscreteStates)
+        self._call("fmi2EnterContinuousTimeMode", self.fmu.enterContinuousTimeMode)
+        self.begin(start, tolerance, lambda time: self._call("fmi2SetTime", self.fmu.setTime, time), {
+            "get_states": self.fmu.getContinuousStates, "set_states": self.fmu.setContinuousStates,
+            "get_derivatives": self.fmu.getDerivatives, "get_nominals": self.fmu.getNominalsOfContinuousStates,
+        })  # fmt: skip
+
+
+class Fmi3ModelExchange(_ModelExchange, _Fmi3):
+    """FMI 3 under CVode."""
+
+    def __init__(self, description: Any, folder: str, feed: Feed) -> None:
+        super().__init__(description, feed)
+        self.number_of_states = description.numberOfContinuousStates
+        self.make(fmi3.FMU3Model, description, description.modelExchange, folder)
+        _instantiate(self, lambda: self.fmu.instantiate(logMessage=self._log))
+
+    def started(self, start: float, tolerance: float) -> None:
+        self._call("fmi3UpdateDiscreteStates", self.fmu.updateDiscreteStates)
+        self._call("fmi3EnterContinuousTimeMode", self.fmu.enterContinuousTimeMode)
+        self.begin(start, tolerance, lambda time: self._call("fmi3SetTime", self.fmu.setTime, time), {
+            "get_states": self.fmu.getContinuousStates, "set_states": self.fmu.setContinuousStates,
+            "get_derivatives": self.fmu.getContinuousStateDerivatives,
+            "get_nominals": self.fmu.getNominalsOfContinuousStates,
+        })  # fmt: skip
+
+
+def _instantiate(driver: _Base, call: Callable[[], None]) -> None:
+    try:
+        call()
+    except Exception as error:  # FMPy raises a bare Exception when the FMU returns NULL
+        driver.fmu.component = None
+        raise (driver.failed("instantiation") if driver.messages else RunError(str(error))) from None
+
+
+def make_driver(fmi: int, interface: str, description: Any, folder: str, feed: Feed) -> Driver:
+    """Instantiate the FMU in `folder` (an unpacked archive).
+
+    Raises
+    ------
+    RunError
+        If it cannot be instantiated, with its own message.
+    """
+    kinds: dict[tuple[int, str], Callable[[Any, str, Feed], Driver]] = {
+        (2, "cs"): Fmi2CoSimulation, (2, "me"): Fmi2ModelExchange,
+        (3, "cs"): Fmi3CoSimulation, (3, "me"): Fmi3ModelExchange,
+    }  # fmt: skip
+    return kinds[fmi, interface](description, folder, feed)

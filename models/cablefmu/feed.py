@@ -1,0 +1,74 @@
+"""Forces over time, as a run feeds them to an FMU.
+
+A communication step never spans a jump of an input. Inside a step the FMU follows the force, and does
+not hold it: by its time derivatives at the step's start (FMI 2), or by asking back (FMI 3). So a run does not
+depend on the communication step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from .signals import Constant, Signal
+
+__all__ = ["ORDERS", "Feed"]
+
+ORDERS = 8
+"""Derivatives that the FMU takes, INPUT_ORDERS in instance.h."""
+
+_EXACT = 1e-12
+"""Largest misfit of the polynomial over one step, relative to the force's own size."""
+
+
+@dataclass(frozen=True, slots=True)
+class Feed:
+    """The inputs of one run; `names` and `signals` go together."""
+
+    signals: Mapping[str, Signal]
+
+    @property
+    def names(self) -> list[str]:
+        return list(self.signals)
+
+    @property
+    def varies(self) -> bool:
+        """Whether any force changes during the run."""
+        return any(not isinstance(signal, Constant) for signal in self.signals.values())
+
+    def values(self, time: float) -> list[float]:
+        """Forces at `time`, after a jump [N]."""
+        return [signal(time) for signal in self.signals.values()]
+
+    def values_before(self, time: float, limit: float) -> list[float]:
+        """Forces at `time` or, from `limit` on, just before `limit`, where they jump [N]."""
+        return self.values(time if time < limit else math.nextafter(limit, -math.inf))
+
+    def derivatives(self, time: float) -> list[list[float]]:
+        """Per input its derivatives of order 1 to `ORDERS` at `time`, after a jump."""
+        return [signal.derivatives(time, ORDERS) for signal in self.signals.values()]
+
+    def next_break(self, time: float, end: float) -> float:
+        """The next time after `time` at which a force or its slope jumps, or `end` if none does before."""
+        return min((b for signal in self.signals.values() for b in signal.breaks(time, end)), default=end)
+
+    def polynomial_reach(self, time: float, end: float) -> float:
+        """How far from `time`, at most to `end`, the derivatives at `time` describe every force."""
+        reach = end - time
+        for signal, derivatives in zip(self.signals.values(), self.derivatives(time), strict=True):
+            while any(_misfit(signal, time, reach * part, derivatives) > _EXACT for part in (0.5, 1.0)):
+                reach *= 0.5
+        return time + reach if reach < end - time else end
+
+
+def _misfit(signal: Signal, time: float, ahead: float, derivatives: Iterable[float]) -> float:
+    """|polynomial - force| at time + ahead, just before a jump there, relative to the terms' size."""
+    term, total = 1.0, signal(time)
+    size = abs(total)
+    for order, derivative in enumerate(derivatives, start=1):
+        term *= ahead / order
+        total += derivative * term
+        size += abs(derivative * term)
+    actual = signal(math.nextafter(time + ahead, -math.inf))
+    return abs(total - actual) / size if size else abs(actual)

@@ -1,0 +1,1 @@
+"""From a `Cable` to an FMU archive: variable table, resource file, model description, zip."""

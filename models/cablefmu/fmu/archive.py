@@ -1,0 +1,155 @@
+"""The .fmu file: written from a scene, and read back with the scene that travels in it."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from fmpy import read_model_description
+from fmpy.model_description import ModelDescription
+
+from ..errors import FmuError, OptionError, SceneError
+from ..files import replacing
+from ..scene import Scene, load_scene
+from .description import Experiment, describe, model_identifier
+from .resource import RESOURCE_NAME, resource_bytes, token_of
+from .variables import variables_of
+
+__all__ = ["Archive", "build_fmu", "default_path", "open_fmu"]
+
+BINARIES = {
+    2: {"linux64": "x86_64-linux/cable.so"},
+    3: {"x86_64-linux": "x86_64-linux/cable.so"},
+}
+"""FMI version -> folder in the archive -> file among the package's binaries."""
+
+_ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip can say: two builds are the same to the byte
+
+
+def default_path(scene: Scene, fmi: int) -> Path:
+    """Where `build` puts a scene's FMU unless it is told: ./build/NAME.fmu or NAME-fmi3.fmu."""
+    return Path("build") / (f"{scene.name}.fmu" if fmi == 2 else f"{scene.name}-fmi{fmi}.fmu")
+
+
+def build_fmu(scene: Scene | str | Path, output: str | Path | None = None, *, fmi: int = 2) -> Path:
+    """Build a scene's FMU: Model Exchange and Co-Simulation in one archive.
+
+    Parameters
+    ----------
+    scene
+        A scene, the name of one that ships, or the path of a TOML file.
+    output
+        File to write; by default ./build/NAME.fmu (NAME-fmi3.fmu). An existing file is replaced.
+    fmi
+        Version of FMI, 2 or 3.
+
+    Returns
+    -------
+    Path
+        Of the archive.
+
+    Raises
+    ------
+    SceneError
+        If the scene is not in order.
+    OptionError
+        If `fmi` is neither 2 nor 3, or the file cannot be written.
+    """
+    if fmi not in BINARIES:
+        raise OptionError(f"fmi = {fmi!r}: 2 or 3 is expected")
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    path = Path(output) if output is not None else default_path(scene, fmi)
+    with replacing(path) as temporary:
+        _write_zip(temporary, _members(scene, fmi))
+    return path
+
+
+def _members(scene: Scene, fmi: int) -> dict[str, bytes]:
+    variables = variables_of(scene.cable, scene.dropped_outputs)
+    resource = resource_bytes(scene.cable, variables)
+    experiment = Experiment(scene.stop_time, scene.step, scene.tolerance)
+    package = files("cablefmu") / "binaries"
+    members = {
+        "modelDescription.xml": describe(
+            fmi, name=scene.name, description=scene.description, token=token_of(resource), variables=variables,
+            experiment=experiment,
+        ),
+        f"resources/{RESOURCE_NAME}": resource,
+        f"resources/{scene.name}.toml": scene.text.encode(),
+        "documentation/licenses/license.txt": (package / "LICENSE").read_bytes(),
+    }  # fmt: skip
+    for name, content in scene.files.items():
+        members[f"resources/{name}"] = content
+    for folder, binary in BINARIES[fmi].items():
+        members[f"binaries/{folder}/{model_identifier(scene.name)}{Path(binary).suffix}"] = (
+            package / binary
+        ).read_bytes()
+    return members
+
+
+def _write_zip(path: Path, members: dict[str, bytes]) -> None:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(members):
+            entry = zipfile.ZipInfo(name, date_time=_ZIP_DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            entry.create_system = 3
+            archive.writestr(entry, members[name])
+
+
+@dataclass(frozen=True, slots=True)
+class Archive:
+    """An FMU of ours on disk, with the scene that it was made of."""
+
+    path: Path
+    scene: Scene
+    fmi: int
+    description: ModelDescription
+
+
+def open_fmu(path: str | Path) -> Archive:
+    """Read an FMU that `build_fmu` made.
+
+    Raises
+    ------
+    FmuError
+        If the file is missing, is no FMU, is somebody else's, or is damaged.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FmuError(f"{path}: there is no such file")
+    try:
+        with zipfile.ZipFile(path) as archive:
+            damaged = archive.testzip()
+            if damaged:
+                raise FmuError(f"{path}: {damaged} in it is damaged")
+            names = archive.namelist()
+            texts = {name: archive.read(name) for name in names if name.startswith("resources/")}
+    except (zipfile.BadZipFile, OSError) as error:
+        raise FmuError(f"{path}: is not an FMU ({error})") from None
+    try:
+        description = read_model_description(str(path), validate=False)
+    except Exception as error:  # FMPy raises what its parsers raise
+        raise FmuError(f"{path}: its modelDescription.xml cannot be read ({error})") from None
+    return Archive(path, _scene_in(path, description, texts), int(description.fmiVersion.split(".")[0]), description)
+
+
+def _scene_in(path: Path, description: ModelDescription, resources: dict[str, bytes]) -> Scene:
+    name = description.modelName
+    text = resources.get(f"resources/{name}.toml")
+    if not (description.generationTool or "").startswith("cablefmu") or text is None:
+        raise FmuError(f"{path}: was not made by cablefmu; an archive from `cablefmu build` is expected")
+    beside = {member.removeprefix("resources/"): content for member, content in _others(resources, name)}
+    try:
+        return Scene.from_text(text.decode(), name=name, files=beside, source=f"{path}/resources/{name}.toml")
+    except (SceneError, UnicodeDecodeError) as error:
+        raise FmuError(f"{path}: the scene in it cannot be read by this version.\n{error}") from None
+
+
+def _others(resources: dict[str, bytes], name: str) -> Iterable[tuple[str, bytes]]:
+    own = {f"resources/{RESOURCE_NAME}", f"resources/{name}.toml"}
+    return ((member, content) for member, content in resources.items() if member not in own)

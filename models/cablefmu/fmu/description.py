@@ -1,0 +1,258 @@
+"""modelDescription.xml for FMI 2.0 and FMI 3.0, of one list of variables."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+from .. import __version__
+from .units import UNITS
+from .variables import Kind, Variable
+
+__all__ = ["Experiment", "describe", "model_identifier"]
+
+LOG_CATEGORIES = {
+    "logStatusError": "What went wrong, where and when",
+    "logStatusWarning": "What was accepted but may not be meant",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """DefaultExperiment: what a host proposes to its user."""
+
+    stop_time: float
+    """[s]"""
+    step: float
+    """Communication step and output interval [s]"""
+    tolerance: float
+
+
+def model_identifier(name: str) -> str:
+    """A C identifier made of a scene's name: it names the binary in the archive."""
+    identifier = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return identifier if identifier[0].isalpha() else f"cable_{identifier}"
+
+
+def describe(
+    version: int, *, name: str, description: str, token: str, variables: list[Variable], experiment: Experiment
+) -> bytes:
+    """The XML text of modelDescription.xml.
+
+    Parameters
+    ----------
+    version
+        2 or 3, of FMI.
+    name, description
+        Of the scene.
+    token
+        guid or instantiationToken.
+    variables
+        In order of value references.
+    experiment
+        Defaults for hosts.
+    """
+    common = {
+        "modelName": name,
+        "description": f"{description} SI units; x to the right, y down, angles from the downward vertical.",
+        "author": "cablefmu developers",
+        "version": __version__,
+        "copyright": "cablefmu developers",
+        "license": "BSD-3-Clause",
+        "generationTool": f"cablefmu {__version__}",
+        "variableNamingConvention": "structured",
+    }
+    writer = _fmi2 if version == 2 else _fmi3
+    root = writer(common, model_identifier(name), token, variables, experiment)
+    ET.indent(root, "  ")
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _number(value: float) -> str:
+    """Shortest text that reads back to the same double."""
+    return repr(float(value))
+
+
+def _add_units(root: ET.Element, variables: list[Variable]) -> None:
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for name in sorted({variable.unit for variable in variables}):
+        unit = UNITS[name]
+        element = ET.SubElement(definitions, "Unit", name=name)
+        ET.SubElement(element, "BaseUnit", {base: str(power) for base, power in unit.exponents.items()})
+        for display, factor in unit.display.items():
+            ET.SubElement(element, "DisplayUnit", name=display, factor=_number(factor))
+
+
+def _add_log_categories(root: ET.Element) -> None:
+    categories = ET.SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", name=name, description=description)
+
+
+def _add_experiment(root: ET.Element, experiment: Experiment) -> None:
+    ET.SubElement(
+        root, "DefaultExperiment", startTime="0.0", stopTime=_number(experiment.stop_time),
+        tolerance=_number(experiment.tolerance), stepSize=_number(experiment.step),
+    )  # fmt: skip
+
+
+def _value_attributes(variable: Variable) -> dict[str, str]:
+    """What stands at the variable's type in FMI 2 and at the variable itself in FMI 3."""
+    attributes = {"unit": variable.unit}
+    display = next(iter(UNITS[variable.unit].display), None)
+    if display:
+        attributes["displayUnit"] = display
+    for key, value in (("min", variable.minimum), ("nominal", variable.nominal), ("start", variable.start)):
+        if value is not None:
+            attributes[key] = _number(value)
+    return attributes
+
+
+def _of_kind(variables: Iterable[Variable], kind: Kind) -> list[Variable]:
+    return [variable for variable in variables if variable.kind is kind]
+
+
+def _outputs(variables: list[Variable]) -> list[Variable]:
+    return [variable for variable in variables if variable.causality == "output"]
+
+
+def _initial_unknowns(variables: list[Variable]) -> list[Variable]:
+    return [variable for variable in variables if variable.initial == "calculated"]
+
+
+def _dependencies_at_start(variable: Variable) -> tuple[int, ...] | None:
+    """The energy at the start depends on parameters as well, everything else on the same as later."""
+    return None if variable.name == "energy" else variable.depends_on
+
+
+# --- FMI 2.0 ---
+
+
+def _fmi2(
+    common: dict[str, str], identifier: str, token: str, variables: list[Variable], experiment: Experiment
+) -> ET.Element:
+    root = ET.Element(
+        "fmiModelDescription", {"fmiVersion": "2.0", "guid": token, **common, "numberOfEventIndicators": "0"}
+    )
+    capabilities = {
+        "modelIdentifier": identifier,
+        "needsExecutionTool": "false",
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "false",
+    }
+    ET.SubElement(root, "ModelExchange", {**capabilities, "completedIntegratorStepNotNeeded": "true"})
+    stepping = {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "true",
+        "maxOutputDerivativeOrder": "0",
+    }
+    ET.SubElement(root, "CoSimulation", {**capabilities, **stepping})
+    # Time needs no variable in FMI 2.
+    variables = [variable for variable in variables if variable.kind is not Kind.TIME]
+    _add_units(root, variables)
+    _add_log_categories(root)
+    _add_experiment(root, experiment)
+    place = {variable.reference: str(k) for k, variable in enumerate(variables, start=1)}
+    listing = ET.SubElement(root, "ModelVariables")
+    for variable in variables:
+        attributes = {
+            "name": variable.name,
+            "valueReference": str(variable.reference),
+            "description": variable.description,
+            "causality": variable.causality,
+            "variability": variable.variability,
+        }
+        if variable.initial:
+            attributes["initial"] = variable.initial
+        element = ET.SubElement(listing, "ScalarVariable", attributes)
+        real = _value_attributes(variable)
+        if variable.derivative_of is not None:
+            real["derivative"] = place[variable.derivative_of]
+        ET.SubElement(element, "Real", real)
+    _fmi2_structure(root, variables, place)
+    return root
+
+
+def _fmi2_structure(root: ET.Element, variables: list[Variable], place: dict[int, str]) -> None:
+    structure = ET.SubElement(root, "ModelStructure")
+    sections = (
+        ("Outputs", _outputs(variables), False),
+        ("Derivatives", _of_kind(variables, Kind.DERIVATIVE), False),
+        ("InitialUnknowns", _initial_unknowns(variables), True),
+    )
+    for section, unknowns, at_start in sections:
+        if not unknowns:
+            continue
+        parent = ET.SubElement(structure, section)
+        for unknown in sorted(unknowns, key=lambda variable: variable.reference):
+            attributes = {"index": place[unknown.reference]}
+            depends_on = _dependencies_at_start(unknown) if at_start else unknown.depends_on
+            if depends_on is not None:
+                attributes["dependencies"] = " ".join(place[reference] for reference in depends_on)
+            ET.SubElement(parent, "Unknown", attributes)
+
+
+# --- FMI 3.0 ---
+
+
+def _fmi3(
+    common: dict[str, str], identifier: str, token: str, variables: list[Variable], experiment: Experiment
+) -> ET.Element:
+    root = ET.Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token, **common})
+    capabilities = {
+        "modelIdentifier": identifier,
+        "needsExecutionTool": "false",
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canGetAndSetFMUState": "false",
+    }
+    ET.SubElement(root, "ModelExchange", {**capabilities, "needsCompletedIntegratorStep": "false"})
+    stepping = {
+        "canHandleVariableCommunicationStepSize": "true",
+        "providesIntermediateUpdate": "true",
+        "mightReturnEarlyFromDoStep": "false",
+        "canReturnEarlyAfterIntermediateUpdate": "false",
+        "hasEventMode": "false",
+        "maxOutputDerivativeOrder": "0",
+    }
+    ET.SubElement(root, "CoSimulation", {**capabilities, **stepping})
+    _add_units(root, variables)
+    _add_log_categories(root)
+    _add_experiment(root, experiment)
+    listing = ET.SubElement(root, "ModelVariables")
+    for variable in variables:
+        attributes = {
+            "name": variable.name,
+            "valueReference": str(variable.reference),
+            "description": variable.description,
+            "causality": variable.causality,
+            "variability": variable.variability,
+        }
+        if variable.kind is Kind.INPUT:
+            attributes["intermediateUpdate"] = "true"
+        if variable.initial:
+            attributes["initial"] = variable.initial
+        if variable.derivative_of is not None:
+            attributes["derivative"] = str(variable.derivative_of)
+        ET.SubElement(listing, "Float64", {**attributes, **_value_attributes(variable)})
+    _fmi3_structure(root, variables)
+    return root
+
+
+def _fmi3_structure(root: ET.Element, variables: list[Variable]) -> None:
+    structure = ET.SubElement(root, "ModelStructure")
+    sections = (
+        ("Output", _outputs(variables), False),
+        ("ContinuousStateDerivative", _of_kind(variables, Kind.DERIVATIVE), False),
+        ("InitialUnknown", _initial_unknowns(variables), True),
+    )
+    for tag, unknowns, at_start in sections:
+        for unknown in unknowns:
+            attributes = {"valueReference": str(unknown.reference)}
+            depends_on = _dependencies_at_start(unknown) if at_start else unknown.depends_on
+            if depends_on is not None:
+                attributes["dependencies"] = " ".join(map(str, depends_on))
+            ET.SubElement(structure, tag, attributes)

@@ -1,0 +1,54 @@
+"""resources/cable.bin, the numbers that the generic binary reads; its layout stands in resource.h."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+
+import numpy as np
+
+from ..cable import Cable, Drag, Terminal
+from .table import table
+from .variables import Variable
+
+__all__ = ["RESOURCE_NAME", "resource_bytes", "token_of"]
+
+RESOURCE_NAME = "cable.bin"
+_MAGIC = b"CABLEFMU"
+_VERSION = 1
+
+
+def resource_bytes(cable: Cable, variables: list[Variable]) -> bytes:
+    """The file's content, little-endian.
+
+    Parameters
+    ----------
+    cable
+        The scene's numbers.
+    variables
+        The variable table, in order of value references.
+    """
+    rows = table()
+    present = sum(1 << rows.parameters[name].slot for name in cable.parameters)
+    header = _MAGIC + struct.pack(
+        "<IIIIQIIII", _VERSION, cable.n, list(Terminal).index(cable.terminal), list(Drag).index(cable.drag), present,
+        len(rows.parameters), len(rows.inputs), len(rows.outputs), len(variables),
+    )  # fmt: skip
+    links = cable.links
+    doubles = [
+        [cable.parameters.get(name, 0.0) for name in rows.parameters],
+        [cable.input_start.get(name, 0.0) for name in rows.inputs],
+        cable.rest_position,
+        links.length, links.mass, links.inertia, links.volume,
+        links.joint_stiffness, links.joint_damping, links.drag_area, links.drag,
+        cable.position, cable.velocity,
+    ]  # fmt: skip
+    body = b"".join(np.asarray(values, dtype="<f8").tobytes() for values in doubles)
+    accessors = b"".join(struct.pack("<II", variable.kind, variable.index) for variable in variables)
+    return header + body + accessors
+
+
+def token_of(resource: bytes) -> str:
+    """guid and instantiationToken: "{8-4-4-4-12}" of the first 16 bytes of the file's SHA-256."""
+    digits = hashlib.sha256(resource).hexdigest()[:32]
+    return "{" + "-".join((digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:])) + "}"

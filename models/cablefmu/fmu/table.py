@@ -1,0 +1,59 @@
+"""The kernel's table of scalars, read from the same file that the C compiler reads.
+
+``variables.def`` names every parameter, input and output once, with unit and description; a row's place
+in its list is its slot number in the kernel.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+__all__ = ["Row", "Table", "table"]
+
+_ROW = re.compile(r'^(PARAMETER|INPUT|OUTPUT|SOLVER)\((\w+), "([^"]*)", (?:([-+\w.]+), )?"([^"]*)"\)$', re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One scalar that can cross the border."""
+
+    name: str
+    unit: str
+    """Unit under its FMI name, "1" if there is none."""
+    description: str
+    slot: int
+    """Index in the kernel's list of its kind."""
+    least: str = "-inf"
+    """Parameters: smallest allowed value, "-inf", "0", or "+0" for above zero."""
+    nominal: float = 1.0
+    """Outputs: order of magnitude, in `unit`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """All rows by name, in slot order."""
+
+    parameters: dict[str, Row]
+    inputs: dict[str, Row]
+    outputs: dict[str, Row]
+    solver: dict[str, Row]
+    """Counters of the built-in solver, outputs as well: solver.steps, ..."""
+
+
+@cache
+def table() -> Table:
+    """The table that the installed binaries were compiled with."""
+    text = (files("cablefmu") / "binaries" / "variables.def").read_text(encoding="utf-8")
+    lists: dict[str, dict[str, Row]] = {"PARAMETER": {}, "INPUT": {}, "OUTPUT": {}, "SOLVER": {}}
+    for kind, name, unit, extra, description in _ROW.findall(text):
+        rows = lists[kind]
+        if kind == "SOLVER":
+            name = f"solver.{name}"
+        if kind == "PARAMETER":
+            rows[name] = Row(name, unit, description, len(rows), least=extra)
+        else:
+            rows[name] = Row(name, unit, description, len(rows), nominal=float(extra or 1.0))
+    return Table(lists["PARAMETER"], lists["INPUT"], lists["OUTPUT"], lists["SOLVER"])

@@ -1,0 +1,90 @@
+"""Pictures of the cable: its shape at regular times in one figure, as the dissertation draws it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from .cable import Floats
+from .errors import OptionError
+from .files import replacing
+
+__all__ = ["node_positions", "plot_frames"]
+
+
+def node_positions(result: xr.Dataset) -> tuple[Floats, Floats]:
+    """Positions of P_0 ... P_n over time from recorded angles.
+
+    Parameters
+    ----------
+    result
+        With `theta` over (time, link) and `y_m1`, as `simulate(..., record=["theta", "y_m1"])` gives them.
+
+    Returns
+    -------
+    x, y
+        Each of shape (times, n + 1) [m]; P_0 = (0, y_m1), P_i = P_{i-1} + l_i (sin th_i, cos th_i).
+    """
+    length, theta, heave = result["link_length"].values, result["theta"].values, result["y_m1"].values
+    start = np.zeros((len(theta), 1))
+    x = np.hstack([start, np.cumsum(length * np.sin(theta), axis=1)])
+    y = heave[:, None] + np.hstack([start, np.cumsum(length * np.cos(theta), axis=1)])
+    return x, y
+
+
+def plot_frames(result: xr.Dataset, path: Path, interval: float) -> None:
+    """Draw the cable every `interval` seconds into one picture.
+
+    Parameters
+    ----------
+    result
+        With `theta` and `y_m1`, see `node_positions`.
+    path
+        Picture to write; the suffix says of which kind (.png, .svg, .pdf).
+    interval
+        Time between two shapes [s].
+
+    Raises
+    ------
+    OptionError
+        If matplotlib is not installed, knows no such suffix, or the file cannot be written.
+    """
+    try:
+        from matplotlib import colormaps
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise OptionError("a picture needs matplotlib: pip install 'cablefmu[plot]'") from None
+    figure = Figure(figsize=(8, 6), layout="constrained")
+    kinds = FigureCanvasAgg(figure).get_supported_filetypes()
+    if path.suffix.removeprefix(".") not in kinds:
+        raise OptionError(
+            f"plot = {path}: a name that ends with one of {', '.join('.' + k for k in sorted(kinds))} is expected"
+        )
+    axes = figure.add_subplot()
+    x, y = node_positions(result)
+    times = result["time"].values
+    frames = _frames(times, interval)
+    colors = colormaps["viridis"](np.linspace(0.0, 0.92, len(frames)))
+    for color, k in zip(colors, frames, strict=True):
+        axes.plot(x[k], y[k], color=color, linewidth=1.0)
+        axes.plot(x[k, :1], y[k, :1], "s", color=color, markersize=5)
+        axes.plot(x[k, -1:], y[k, -1:], "o", color=color, markersize=4)
+    axes.set(xlabel="x [m], to the right", ylabel="y [m], down", title=_title(result, times, interval))
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.invert_yaxis()
+    axes.grid(alpha=0.3)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format=path.suffix.removeprefix("."), dpi=120)
+
+
+def _title(result: xr.Dataset, times: Floats, interval: float) -> str:
+    return f"{result.attrs['title']}: every {interval:g} s from t = {times[0]:g} s (dark) to {times[-1]:g} s (bright)"
+
+
+def _frames(times: Floats, interval: float) -> list[int]:
+    """Indices of the output times nearest to 0, interval, 2 interval, ..., each once."""
+    wanted = np.arange(times[0], times[-1] + 0.5 * interval, interval)
+    return sorted({int(np.argmin(np.abs(times - t))) for t in wanted})

@@ -1,0 +1,238 @@
+"""Run a scene or an FMU and collect what it says over time."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import shutil
+import tempfile
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from fmpy import extract
+
+from .drive import Driver, make_driver
+from .errors import OptionError, RunError
+from .feed import Feed
+from .fmu.archive import Archive, build_fmu, open_fmu
+from .fmu.variables import Kind, Variable, variables_of
+from .results import Recording, dataset
+from .scene import Scene, load_scene
+from .signals import Constant
+
+__all__ = ["simulate"]
+
+INTERFACES = ("cs", "me")
+GROUPS = ("theta", "omega")
+"""What `record` takes besides names of variables: all link angles, all link rates."""
+
+Progress = Callable[[float, float], None]
+"""Called with the simulated and the stop time [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How to run: checked, with the scene's values where the caller gave none."""
+
+    interface: str
+    stop_time: float
+    step: float
+    tolerance: float
+    given: Mapping[str, float]
+    record: tuple[str, ...]
+
+    def times(self) -> list[float]:
+        """Output times: 0, step, 2 step, ..., and the stop time [s]."""
+        count = math.ceil(self.stop_time / self.step - 1e-9)
+        return [k * self.step for k in range(count)] + [self.stop_time]
+
+
+def simulate(
+    what: Scene | str | Path, *, fmi: int | None = None, interface: str = "cs", stop_time: float | None = None,
+    step: float | None = None, tolerance: float | None = None, parameters: Mapping[str, float] | None = None,
+    record: Sequence[str] = (), progress: Progress | None = None,
+) -> xr.Dataset:  # fmt: skip
+    """Build a scene's FMU, run it through FMPy, and return its outputs over time.
+
+    Parameters
+    ----------
+    what
+        A scene, the name of one that ships, the path of a TOML file, or of an FMU that `build_fmu` made.
+    fmi
+        Version, 2 (default) or 3; not for an FMU, which has its own.
+    interface
+        "cs": Co-Simulation, the FMU's own solver. "me": Model Exchange under FMPy's CVode.
+    stop_time, step
+        [s]; from the scene by default. `step` is both communication step and output interval.
+    tolerance
+        Relative tolerance of the solver.
+    parameters
+        Values of parameters, inputs (then constant, instead of the scene's force) and start values of
+        states by name, SI. What the scene derived at build time stays.
+    record
+        Further variables by name; "theta" and "omega" stand for those of all links.
+    progress
+        Called with the simulated and the stop time [s] after every output interval.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `time` [s]; `attrs` hold scene, settings, versions and the solver's statistics.
+
+    Raises
+    ------
+    UserError
+        A mistake in what was given: SceneError, FmuError or OptionError.
+    RunError
+        If the run could not go on; its `partial` is the Dataset up to then.
+    """
+    scene, archive = _open(what, fmi)
+    settings = _settings(scene, interface, stop_time, step, tolerance, parameters or {}, record)
+    folder = tempfile.mkdtemp(prefix="cablefmu-")
+    try:
+        if archive is None:
+            archive = open_fmu(build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=fmi or 2))
+        extract(str(archive.path), unzipdir=str(Path(folder) / "fmu"))
+        return _run(archive, settings, str(Path(folder) / "fmu"), progress)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _open(what: Scene | str | Path, fmi: int | None) -> tuple[Scene, Archive | None]:
+    if fmi not in (None, 2, 3):
+        raise OptionError(f"fmi = {fmi!r}: 2 or 3 is expected")
+    if isinstance(what, Scene):
+        return what, None
+    if Path(what).suffix == ".fmu":
+        archive = open_fmu(what)
+        if fmi not in (None, archive.fmi):
+            raise OptionError(f"fmi = {fmi}: {what} is an FMU of version {archive.fmi}; leave the version out")
+        return archive.scene, archive
+    return load_scene(what), None
+
+
+# --- settings ---
+
+
+def _settings(
+    scene: Scene, interface: str, stop_time: float | None, step: float | None, tolerance: float | None,
+    given: Mapping[str, float], record: Sequence[str],
+) -> Settings:  # fmt: skip
+    if interface not in INTERFACES:
+        raise OptionError(f"interface = {interface!r}: cs (Co-Simulation) or me (Model Exchange) is expected")
+    settings = Settings(
+        interface,
+        _positive("stop time", scene.stop_time if stop_time is None else stop_time, "s"),
+        _positive("step", scene.step if step is None else step, "s"),
+        _positive("tolerance", scene.tolerance if tolerance is None else tolerance, ""),
+        dict(given),
+        tuple(record),
+    )
+    if settings.stop_time / settings.step > 10_000_000:
+        raise OptionError(f"step = {settings.step} s: more than 10,000,000 output times; a longer step is expected")
+    if settings.tolerance > 0.1:
+        raise OptionError(f"tolerance = {settings.tolerance}: at most 0.1 is expected")
+    variables = {variable.name: variable for variable in variables_of(scene.cable, scene.dropped_outputs)}
+    for name, value in settings.given.items():
+        _check_given(name, value, variables)
+    for name in settings.record:
+        if name not in GROUPS and name not in variables:
+            raise OptionError(f"record {name}: there is no such variable{_nearest(name, [*GROUPS, *variables])}")
+    return settings
+
+
+def _positive(name: str, value: float, unit: str) -> float:
+    if not (math.isfinite(value) and value > 0.0):
+        raise OptionError(f"{name} = {value}: a number above 0{f' [{unit}]' if unit else ''} is expected")
+    return float(value)
+
+
+def _check_given(name: str, value: float, variables: Mapping[str, Variable]) -> None:
+    settable = [v.name for v in variables.values() if v.kind in (Kind.PARAMETER, Kind.INPUT, Kind.STATE)]
+    if name not in variables:
+        raise OptionError(f"set {name}: there is no such variable{_nearest(name, settable)}")
+    if name not in settable:
+        raise OptionError(f"set {name}: it is calculated and cannot be set; parameters, inputs and start values can")
+    if not math.isfinite(value):
+        raise OptionError(f"set {name}={value}: a finite number [{variables[name].unit}] is expected")
+
+
+def _nearest(name: str, allowed: Sequence[str]) -> str:
+    close = difflib.get_close_matches(name, allowed, n=1)
+    return f"; did you mean {close[0]}?" if close else f"; allowed are {', '.join(a for a in allowed if '[' not in a)}"
+
+
+# --- the run ---
+
+
+def _run(archive: Archive, settings: Settings, folder: str, progress: Progress | None) -> xr.Dataset:
+    scene = archive.scene
+    variables = variables_of(scene.cable, scene.dropped_outputs)
+    by_name = {variable.name: variable for variable in variables}
+    signals = {name: scene.signals[name] for name in scene.cable.inputs}
+    # A force that was set is constant, in place of the scene's.
+    signals |= {name: Constant(value) for name, value in settings.given.items() if name in signals}
+    feed = Feed(signals)
+    recording = Recording([*_outputs(variables), *_recorded(variables, settings.record)])
+    driver = make_driver(archive.fmi, settings.interface, archive.description, folder, feed)
+    try:
+        started = clock.perf_counter()
+        set_before = [(by_name[name].reference, value) for name, value in settings.given.items()]
+        driver.start(0.0, settings.stop_time, settings.tolerance, *_split(set_before))
+        failure = _advance(driver, feed, settings.times(), recording, progress)
+        statistics: dict[str, float] = dict(driver.counters()) if failure is None else {}
+        statistics["run_time"] = clock.perf_counter() - started
+    finally:
+        driver.close()
+    result = dataset(recording, scene, {
+        "fmi": archive.fmi, "interface": settings.interface, "step": settings.step, "stop_time": settings.stop_time,
+        "tolerance": settings.tolerance, "set": " ".join(f"{k}={v!r}" for k, v in settings.given.items()),
+    }, statistics)  # fmt: skip
+    if failure is None:
+        return result
+    reached = recording.times[-1] if recording.times else 0.0
+    result.attrs["ended_early"] = str(failure)
+    raise RunError(str(failure), time=reached, partial=result)
+
+
+def _split(pairs: list[tuple[int, float]]) -> tuple[list[int], list[float]]:
+    return [reference for reference, _ in pairs], [value for _, value in pairs]
+
+
+def _outputs(variables: list[Variable]) -> list[Variable]:
+    return [variable for variable in variables if variable.causality == "output"]
+
+
+def _recorded(variables: list[Variable], record: Sequence[str]) -> list[Variable]:
+    """The further variables that were asked for, each once, in the order of the table."""
+    wanted = {v.name for v in variables for name in record if v.name == name or v.name.startswith(f"{name}[")}
+    return [v for v in variables if v.name in wanted and v.causality != "output"]
+
+
+def _advance(
+    driver: Driver, feed: Feed, times: list[float], recording: Recording, progress: Progress | None
+) -> RunError | None:
+    """From each output time to the next, in pieces that no jump of a force lies in; the error that ended it."""
+    references = [variable.reference for variable in recording.variables]
+    try:
+        recording.add(times[0], driver.get(references))
+        for start, end in pairwise(times):
+            time = start
+            while time < end:
+                reach = feed.next_break(time, end)
+                driver.advance(time, reach)
+                time = reach
+            values = driver.get(references)
+            if not np.all(np.isfinite(values)):
+                return RunError(f"an output is not a finite number at t = {end} s")
+            recording.add(end, values)
+            if progress:
+                progress(end, times[-1])
+    except RunError as error:
+        return error
+    return None
