@@ -15,6 +15,7 @@ from cablefmu.cable import Cable, Drag, Terminal
 from cablefmu.errors import OptionError
 from cablefmu.reference import Reference
 from cablefmu.reference.extended import extended_acceleration
+from cablefmu.scene import load_scene
 from tests.random_cables import KINDS, random_cable, random_inputs, random_state
 from tests.reference.lagrangian import INPUT_NAMES, derive
 
@@ -110,6 +111,21 @@ def test_hanging_cable_stays_at_rest(water: bool) -> None:
     nothing = np.zeros(26)
     # weight [N] over floater mass is a few m/s^2 in doubles
     assert held.acceleration(nothing, nothing, {}) == pytest.approx(nothing, abs=1e-13)
+
+
+@pytest.mark.parametrize("scene", ["seabed-mass-60", "seabed-spring-60", "floaters-restrained-80"])
+def test_shipped_rest_shapes_are_equilibria_of_links_without_bending_stiffness(scene: str) -> None:
+    """Catenary, static loads and pulls come from statics; the equation of motion must find nothing to do.
+
+    The anchor mass alone has no spring to hold it: 1.6 kN of pull moves 8e8 kg by 2e-6 m/s^2, and the
+    lowest link turns accordingly.
+    """
+    cable = load_scene(scene).cable
+    limp = replace(cable.links, joint_stiffness=np.zeros(cable.n))
+    rest = {name: value for name, value in cable.parameters.items() if name != "k_joint"}
+    at_rest = Reference(replace(cable, links=limp, parameters=rest))
+    drift = at_rest.acceleration(cable.position, cable.velocity, {})
+    assert np.abs(drift).max() < (1e-5 if cable.terminal is Terminal.ANCHOR_MASS else 1e-8)
 
 
 def test_heave_rules_differ_by_the_static_load_on_the_floater() -> None:
