@@ -108,7 +108,10 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
 {
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = lookup(instance, references[k]);
-        if (!variable || check(instance, variable, values[k]) != STATUS_OK) return STATUS_ERROR;
+        if (variable && check(instance, variable, values[k]) == STATUS_OK) continue;
+        /* Inside a step, going on with the force of an earlier time would be a wrong result. */
+        if (instance->mode == MODE_INTERMEDIATE) instance->mode = MODE_FAILED;
+        return STATUS_ERROR;
     }
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = &instance->resource.variable[references[k]];

@@ -18,12 +18,21 @@ static fmi2Status fmi2_status(Status status)
     return MEANING[status];
 }
 
+/*
+ * The host takes the message as a format, so its percent signs are doubled. The text must not come behind a
+ * "%s": hosts whose call-backs take no variable arguments, as in Python, would show that alone.
+ */
 static void log_message(void *owner, Status status, const char *message)
 {
     const Component *component = owner;
     if (!component->logger) return;
+    char format[2 * sizeof(((Text *)NULL)->line)];
+    char *out = format;
+    for (; *message; *out++ = *message++)
+        if (*message == '%') *out++ = '%';
+    *out = '\0';
     const char *category = status == STATUS_WARNING ? "logStatusWarning" : "logStatusError";
-    component->logger(component->environment, component->name, fmi2_status(status), category, "%s", message);
+    component->logger(component->environment, component->name, fmi2_status(status), category, format);
 }
 
 static fmi2Status refuse(const Component *component, const char *message)

@@ -10,7 +10,7 @@ static bool inputs_at(void *source, double time, double *u)
     if (instance->host.intermediate) {
         const Mode mode = instance->mode;
         instance->mode = MODE_INTERMEDIATE;
-        const bool given = instance->host.intermediate(instance->host.owner, time);
+        const bool given = instance->host.intermediate(instance->host.owner, time) && instance->mode != MODE_FAILED;
         instance->mode = mode;
         memcpy(u, instance->u, sizeof instance->u);
         return given;

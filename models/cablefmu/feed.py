@@ -8,7 +8,7 @@ depend on the communication step.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from .signals import Constant, Signal
@@ -20,6 +20,12 @@ ORDERS = 8
 
 _EXACT = 1e-12
 """Largest misfit of the polynomial over one step, relative to the force's own size."""
+
+_ROUNDING = 8.0
+"""Late in a run a force is known only as well as its time: to so many units in the last place of it."""
+
+_SHORTEST = 2.0**-20
+"""Smallest part of a step; a force that needs smaller ones is beyond every solver's patience."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,19 +62,21 @@ class Feed:
     def polynomial_reach(self, time: float, end: float) -> float:
         """How far from `time`, at most to `end`, the derivatives at `time` describe every force."""
         reach = end - time
+        shortest = reach * _SHORTEST
         for signal, derivatives in zip(self.signals.values(), self.derivatives(time), strict=True):
-            while any(_misfit(signal, time, reach * part, derivatives) > _EXACT for part in (0.5, 1.0)):
+            while reach > shortest and not all(_fits(signal, time, reach * part, derivatives) for part in (0.5, 1.0)):
                 reach *= 0.5
         return time + reach if reach < end - time else end
 
 
-def _misfit(signal: Signal, time: float, ahead: float, derivatives: Iterable[float]) -> float:
-    """|polynomial - force| at time + ahead, just before a jump there, relative to the terms' size."""
-    term, total = 1.0, signal(time)
-    size = abs(total)
+def _fits(signal: Signal, time: float, ahead: float, derivatives: Sequence[float]) -> bool:
+    """Whether the polynomial at time + ahead is the force there, just before a jump, but for rounding."""
+    total = signal(time)
+    size, slope, power = abs(total), 0.0, 1.0  # power: ahead^(k-1) / (k-1)!
     for order, derivative in enumerate(derivatives, start=1):
-        term *= ahead / order
-        total += derivative * term
-        size += abs(derivative * term)
+        slope += abs(derivative * power)
+        power *= ahead / order
+        total += derivative * power
+        size += abs(derivative * power)
     actual = signal(math.nextafter(time + ahead, -math.inf))
-    return abs(total - actual) / size if size else abs(actual)
+    return abs(total - actual) <= _EXACT * size + _ROUNDING * math.ulp(time + ahead) * slope

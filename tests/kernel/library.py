@@ -1,0 +1,198 @@
+"""The C kernel as a shared library of its own, and the one table that binds it.
+
+It is compiled from the same sources by the same recipe as the FMU's binary, with its names visible and with
+`probe.c` in front: flat functions, so that no layout of a C structure is repeated here.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import platform
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Literal
+
+import numpy as np
+
+from cablefmu.cable import Cable, Drag, Floats, Terminal
+from cablefmu.fmu.table import table
+
+__all__ = ["BINDINGS", "PROBE", "Kernel", "Run", "Wave", "compile_kernel", "inputs_of", "load", "toolchain"]
+
+PROBE = Path(__file__).with_name("probe.c")
+
+_POINTER, _INT, _DOUBLE, _SIZE = ctypes.c_void_p, ctypes.c_int, ctypes.c_double, ctypes.c_size_t
+_ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
+
+BINDINGS: dict[str, tuple[Any, ...]] = {
+    "probe_new": (_POINTER, _INT, _INT, _INT, ctypes.c_uint64, _ARRAY, _ARRAY, _ARRAY),
+    "probe_free": (None, _POINTER),
+    "probe_constants": (_SIZE, _POINTER, _POINTER),
+    "probe_spoil_scratch": (None, _POINTER),
+    "probe_derivatives": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY),
+    "probe_outputs": (None, _POINTER, _ARRAY, _POINTER, _ARRAY),
+    "probe_restart": (None, _POINTER, _DOUBLE),
+    "probe_advance": (_INT, _POINTER, ctypes.POINTER(_DOUBLE), _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
+    "probe_tableau": (_INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    "probe_name": (ctypes.c_char_p, _INT, _INT),
+    "sincos_array": (None, _INT, _ARRAY, _ARRAY, _ARRAY),
+    "fifth_root": (_DOUBLE, _DOUBLE),
+}
+"""Function -> (type of the result, types of the arguments)."""
+
+Wave = tuple[float, float, float]
+"""(constant [N], amplitude [N], pulsation [rad/s]) of an input constant + amplitude sin(pulsation t)."""
+
+Status = Literal["ok", "too many steps", "step too small", "angle too large", "input failed"]
+_STATUS: tuple[Status, ...] = ("ok", "too many steps", "step too small", "angle too large", "input failed")
+
+
+def toolchain() -> ModuleType:
+    """The recipe `fmu_src/toolchain.py`, which belongs to no package."""
+    path = Path(__file__).parents[2] / "fmu_src" / "toolchain.py"
+    spec = importlib.util.spec_from_file_location("toolchain", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def compile_kernel(folder: Path, *, flags: list[str] | None = None, extra: list[Path] | None = None) -> Path:
+    """Compile kernel and probe into `folder`.
+
+    Parameters
+    ----------
+    folder
+        One per process: two compilers must not write one file.
+    flags
+        In place of the release's own (less hidden names).
+    extra
+        C files to link in besides.
+    """
+    recipe = toolchain()
+    chosen = [flag for flag in recipe.RELEASE if flag != "-fvisibility=hidden"] if flags is None else flags
+    target, _ = recipe.TARGETS.get(f"{platform.machine()}-{sys.platform}", (None, None))
+    path = folder / "kernel.so"
+    recipe.compile_library(path, [*recipe.kernel_sources(), PROBE, *(extra or [])], chosen, target=target)
+    return path
+
+
+def load(path: Path) -> ctypes.CDLL:
+    """The library with every function of `BINDINGS` typed."""
+    library = ctypes.CDLL(str(path))
+    for name, (result, *arguments) in BINDINGS.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one run of the explicit solver left."""
+
+    status: Status
+    time: float
+    """Where it ended [s]"""
+    q: Floats
+    v: Floats
+    counters: dict[str, int]
+    """steps, rejected, rhs"""
+
+
+class Kernel:
+    """One cable in the C kernel, with the methods of `cablefmu.reference.Reference` and a solver."""
+
+    def __init__(self, library: ctypes.CDLL, cable: Cable) -> None:
+        rows, links = table(), cable.links
+        self.cable = cable
+        self.parameters = np.array([cable.parameters.get(name, 0.0) for name in rows.parameters])
+        # the order of LinkColumn in model.h
+        self.links = np.array([
+            links.length, links.mass, links.inertia, links.volume,
+            links.joint_stiffness, links.joint_damping, links.drag_area, links.drag,
+        ])  # fmt: skip
+        self._library = library
+        self._handle = library.probe_new(
+            cable.n,
+            list(Terminal).index(cable.terminal),
+            list(Drag).index(cable.drag),
+            sum(1 << rows.parameters[name].slot for name in cable.parameters),
+            self.parameters,
+            np.array(cable.rest_position, dtype=float),
+            self.links,
+        )
+        assert self._handle
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None):
+            self._library.probe_free(self._handle)
+
+    def derivatives(self, x: Floats, u: Floats) -> Floats:
+        """(q', v') of x = (q, v), shape (2 (n + 1),), for u as `inputs_of` makes it."""
+        derivative = np.full(2 * (self.cable.n + 1), np.nan)
+        self._library.probe_derivatives(self._handle, x, u, derivative)
+        return derivative
+
+    def acceleration(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
+        """x'', shape (n + 1,) [m/s^2, rad/s^2]."""
+        return self.derivatives(np.concatenate([q, v]), inputs_of(inputs))[self.cable.n + 1 :]
+
+    def outputs(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> dict[str, float]:
+        """Every output by name."""
+        x = np.concatenate([q, v])
+        derivative = self.derivatives(x, inputs_of(inputs))
+        return self._outputs(x, derivative.ctypes.data)
+
+    def outputs_without_tensions(self, q: Floats, v: Floats) -> dict[str, float]:
+        """The outputs that need no accelerations; NaN for the others."""
+        self.spoil_scratch()
+        return self._outputs(np.concatenate([q, v]), None)
+
+    def constants(self) -> Floats:
+        """A copy of the model's parameters and derived arrays."""
+        copy = np.empty(self._library.probe_constants(self._handle, None))
+        self._library.probe_constants(self._handle, copy.ctypes.data)
+        return copy
+
+    def spoil_scratch(self) -> None:
+        """Fill the scratch arrays with NaN."""
+        self._library.probe_spoil_scratch(self._handle)
+
+    def run(
+        self,
+        times: Floats,
+        *,
+        tolerance: float,
+        waves: Mapping[str, Wave] | None = None,
+        start: tuple[Floats, Floats] | None = None,
+    ) -> list[Run]:
+        """From times[0] to each of the later times in turn, the solver's memory kept; ends early on failure."""
+        q, v = (self.cable.position, self.cable.velocity) if start is None else start
+        x, counter = np.concatenate([q, v]), np.zeros(len(table().solver))
+        signals = np.zeros((3, len(table().inputs)))
+        for name, wave in (waves or {}).items():
+            signals[:, table().inputs[name].slot] = wave
+        t, half, runs = ctypes.c_double(times[0]), len(q), []
+        self._library.probe_restart(self._handle, tolerance)
+        for end in times[1:]:
+            status = self._library.probe_advance(self._handle, ctypes.byref(t), end, x, signals, counter)
+            names = (name.removeprefix("solver.") for name in table().solver)
+            counters = dict(zip(names, map(int, counter), strict=True))
+            runs.append(Run(_STATUS[status], t.value, x[:half].copy(), x[half:].copy(), counters))
+            if status:
+                break
+        return runs
+
+    def _outputs(self, x: Floats, derivative: int | None) -> dict[str, float]:
+        output = np.full(len(table().outputs), np.nan)
+        self._library.probe_outputs(self._handle, x, derivative, output)
+        return dict(zip(table().outputs, output.tolist(), strict=True))
+
+
+def inputs_of(inputs: Mapping[str, float]) -> Floats:
+    """u as the kernel wants it: one slot for every input that any scene may have [N]."""
+    return np.array([inputs.get(name, 0.0) for name in table().inputs])

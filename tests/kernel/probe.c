@@ -1,0 +1,182 @@
+/*
+ * The kernel behind flat functions, for the tests: what Python sees is pointers and numbers, so no layout
+ * of a C structure is written down twice.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../fmu_src/kernel/dynamics.h"
+#include "../../fmu_src/kernel/solver.h"
+
+typedef struct {
+    Model model;
+    Work work;
+    SolverMemory memory;
+    double *derived, *scratch, *stages;
+} Probe;
+
+/* The link arrays stay the caller's: link[LINK_COLUMNS][n], to be kept as long as the probe. */
+Probe *probe_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
+                 const double *link)
+{
+    Probe *probe = calloc(1, sizeof *probe);
+    if (!probe) return NULL;
+    probe->derived = calloc(model_doubles(n) + work_doubles(n) + explicit_doubles(n), sizeof(double));
+    if (!probe->derived) {
+        free(probe);
+        return NULL;
+    }
+    probe->scratch = probe->derived + model_doubles(n);
+    probe->stages = probe->scratch + work_doubles(n);
+    Model *model = &probe->model;
+    model->n = n;
+    model->terminal = (Terminal)terminal;
+    model->drag = (Drag)drag;
+    model->present = present;
+    memcpy(model->parameter, parameter, sizeof model->parameter);
+    memcpy(model->rest, rest, sizeof model->rest);
+    for (size_t column = 0; column < LINK_COLUMNS; column++) model->link[column] = link + column * (size_t)n;
+    model_layout(model, probe->derived);
+    work_layout(&probe->work, n, probe->scratch);
+    model_prepare(model);
+    return probe;
+}
+
+void probe_free(Probe *probe)
+{
+    free(probe->derived);
+    free(probe);
+}
+
+/* Everything in the model that an evaluation must leave alone: parameters, then the derived arrays. */
+size_t probe_constants(const Probe *probe, double *copy)
+{
+    const size_t arrays = model_doubles(probe->model.n);
+    if (copy) {
+        memcpy(copy, probe->model.parameter, sizeof probe->model.parameter);
+        memcpy(copy + PARAMETER_COUNT, probe->derived, arrays * sizeof *copy);
+    }
+    return PARAMETER_COUNT + arrays;
+}
+
+/* Scratch full of not-a-numbers: whoever reads it before writing shows. */
+void probe_spoil_scratch(Probe *probe)
+{
+    for (size_t k = 0; k < work_doubles(probe->model.n); k++) probe->scratch[k] = NAN;
+    for (int k = 0; k < 2; k++)
+        probe->work.end_force[k] = probe->work.end_position[k] = probe->work.end_velocity[k] = NAN;
+}
+
+void probe_derivatives(Probe *probe, const double *x, const double *u, double *derivative)
+{
+    cable_derivatives(&probe->model, x, u, &probe->work, derivative);
+}
+
+/* With derivative == NULL the outputs that need no derivatives; else after probe_derivatives() of the same x. */
+void probe_outputs(Probe *probe, const double *x, const double *derivative, double *output)
+{
+    cable_outputs(&probe->model, x, derivative, &probe->work, output, derivative != NULL);
+}
+
+/* u_k(t) = constant_k + amplitude_k sin(pulsation_k t); pulsation in rad/s. */
+typedef struct {
+    const double *constant, *amplitude, *pulsation;
+} Waves;
+
+static bool waves_at(void *source, double time, double *u)
+{
+    const Waves *waves = source;
+    for (int k = 0; k < INPUT_COUNT; k++) {
+        u[k] = waves->constant[k] + waves->amplitude[k] * sin(waves->pulsation[k] * time);
+        if (!isfinite(u[k])) return false;
+    }
+    return true;
+}
+
+void probe_restart(Probe *probe, double tolerance)
+{
+    memset(&probe->memory, 0, sizeof probe->memory);
+    probe->memory.tolerance = tolerance;
+    solver_restart(&probe->memory);
+}
+
+/* One communication step of the explicit solver; waves[3][INPUT_COUNT] as in Waves. */
+int probe_advance(Probe *probe, double *t, double t_end, double *x, const double *waves, double *counter)
+{
+    Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT};
+    const System system = {&probe->model, &probe->work, waves_at, &source};
+    const SolverStatus status = explicit_advance(&system, &probe->memory, probe->stages, t, t_end, x);
+    memcpy(counter, probe->memory.counter, sizeof probe->memory.counter);
+    return (int)status;
+}
+
+/* Stages of the explicit pair; a is the full square by rows, zeros included. */
+int probe_tableau(double *a, double *b, double *b_embedded, double *c)
+{
+    const Tableau *table = &DORMAND_PRINCE_54;
+    const double *next = table->a;
+    for (int i = 0; i < table->stages; i++) {
+        for (int j = 0; j < i; j++) a[i * table->stages + j] = *next++;
+        b[i] = table->b[i];
+        b_embedded[i] = table->b_embedded[i];
+        c[i] = table->c[i];
+    }
+    return table->stages;
+}
+
+/* Names as the C compiler read them from variables.def, in slot order. */
+#define PARAMETER(name, unit, least, description) [P_##name] = #name,
+#define INPUT(name, unit, description)
+#define OUTPUT(name, unit, nominal, description)
+#define SOLVER(name, unit, description)
+static const char *const PARAMETER_NAME[PARAMETER_COUNT] = {
+#include "../../fmu_src/kernel/variables.def"
+};
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+#undef SOLVER
+
+#define PARAMETER(name, unit, least, description)
+#define INPUT(name, unit, description) [U_##name] = #name,
+#define OUTPUT(name, unit, nominal, description)
+#define SOLVER(name, unit, description)
+static const char *const INPUT_NAME[INPUT_COUNT] = {
+#include "../../fmu_src/kernel/variables.def"
+};
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+#undef SOLVER
+
+#define PARAMETER(name, unit, least, description)
+#define INPUT(name, unit, description)
+#define OUTPUT(name, unit, nominal, description) [Y_##name] = #name,
+#define SOLVER(name, unit, description)
+static const char *const OUTPUT_NAME[OUTPUT_COUNT] = {
+#include "../../fmu_src/kernel/variables.def"
+};
+#undef PARAMETER
+#undef INPUT
+#undef OUTPUT
+#undef SOLVER
+
+#define PARAMETER(name, unit, least, description)
+#define INPUT(name, unit, description)
+#define OUTPUT(name, unit, nominal, description)
+#define SOLVER(name, unit, description) [SOLVER_##name] = #name,
+static const char *const COUNTER_NAME[SOLVER_COUNT] = {
+#include "../../fmu_src/kernel/variables.def"
+};
+
+/* The slot'th name of list 0 ... 3 (parameters, inputs, outputs, counters); NULL behind the end. */
+const char *probe_name(int list, int slot)
+{
+    static const struct {
+        const char *const *name;
+        int count;
+    } LISTS[] = {{PARAMETER_NAME, PARAMETER_COUNT}, {INPUT_NAME, INPUT_COUNT}, {OUTPUT_NAME, OUTPUT_COUNT},
+                 {COUNTER_NAME, SOLVER_COUNT}};
+    return slot < LISTS[list].count ? LISTS[list].name[slot] : NULL;
+}
