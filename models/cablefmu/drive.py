@@ -16,7 +16,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.sundials import CVodeSolver
 from fmpy.sundials.libraries import sundials_cvode
 
-from .errors import RunError
+from .errors import FmuError, RunError
 from .feed import Feed
 
 __all__ = ["Driver", "Setup", "make_driver"]
@@ -58,6 +58,16 @@ class _Base(ABC):
         self.inputs = [self.reference[name] for name in feed.names]
         self.fmu: Any = None
 
+    def load(self, kind: type, description: Any, interface: Any, folder: str) -> None:
+        """The library for this platform."""
+        try:
+            self.fmu = kind(
+                guid=description.guid, unzipDirectory=folder, modelIdentifier=interface.modelIdentifier,
+                instanceName=description.modelName,
+            )  # fmt: skip
+        except Exception as error:  # FMPy raises a bare Exception where there is none, ctypes an OSError
+            raise FmuError(f"the FMU's library cannot be loaded: {error}") from None
+
     def close(self) -> None:
         if self.fmu is not None and self.fmu.component is not None:
             self.fmu.freeInstance()
@@ -90,13 +100,11 @@ class _Fmi2(_Base):
     """Life cycle and variables of FMI 2."""
 
     def instantiate(self, kind: type, description: Any, interface: Any, folder: str) -> None:
-        self.fmu = kind(
-            guid=description.guid, unzipDirectory=folder, modelIdentifier=interface.modelIdentifier,
-            instanceName=description.modelName,
-        )  # fmt: skip
+        self.load(kind, description, interface, folder)
 
         def log(environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-            self.messages.append(message.decode("utf-8", "replace"))
+            # The message is a format: "100%%" means 100%.
+            self.messages.append(message.decode("utf-8", "replace").replace("%%", "%"))
 
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log)
@@ -158,10 +166,7 @@ class _Fmi3(_Base):
     """Life cycle and variables of FMI 3."""
 
     def make(self, kind: type, description: Any, interface: Any, folder: str) -> None:
-        self.fmu = kind(
-            guid=description.guid, unzipDirectory=folder, modelIdentifier=interface.modelIdentifier,
-            instanceName=description.modelName,
-        )  # fmt: skip
+        self.load(kind, description, interface, folder)
 
         def log(environment: Any, status: int, category: bytes, message: bytes) -> None:
             self.messages.append(message.decode("utf-8", "replace"))
@@ -332,7 +337,7 @@ def _instantiate(driver: _Base, call: Callable[[], None]) -> None:
         call()
     except Exception as error:  # FMPy raises a bare Exception when the FMU returns NULL
         driver.fmu.component = None
-        raise (driver.failed("instantiation") if driver.messages else RunError(str(error))) from None
+        raise FmuError(driver.messages[-1] if driver.messages else str(error)) from None
 
 
 def make_driver(fmi: int, interface: str, description: Any, folder: str, feed: Feed) -> Driver:
@@ -340,11 +345,14 @@ def make_driver(fmi: int, interface: str, description: Any, folder: str, feed: F
 
     Raises
     ------
-    RunError
-        If it cannot be instantiated, with its own message.
+    FmuError
+        If it cannot be loaded or instantiated, with its own message.
     """
     kinds: dict[tuple[int, str], Callable[[Any, str, Feed], Driver]] = {
         (2, "cs"): Fmi2CoSimulation, (2, "me"): Fmi2ModelExchange,
         (3, "cs"): Fmi3CoSimulation, (3, "me"): Fmi3ModelExchange,
     }  # fmt: skip
+    offered = description.coSimulation if interface == "cs" else description.modelExchange
+    if (fmi, interface) not in kinds or offered is None:
+        raise FmuError(f"the FMU offers no interface {interface} of FMI 2 or 3")
     return kinds[fmi, interface](description, folder, feed)
