@@ -9,13 +9,15 @@ import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
+import xarray as xr
 from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
 from . import __version__
 from .errors import CableError, OptionError, RunError
+from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
-from .plot import plot_frames
+from .plot import check_picture, plot_frames
 from .progress import showing_progress
 from .results import write_results
 from .scene import Scene, load_scene, shipped_scenes
@@ -92,11 +94,17 @@ def run(
     ] = None,
 ) -> None:
     """Build a scene's FMU (or take one), run it through FMPy, and write its outputs."""
+    for option, values in (("set", set_), ("record", record)):
+        if values == []:
+            raise OptionError(f"{option}: at least one value is expected behind it")
     given = _assignments(set_ or [])
     what, name, frame_interval = _archive_for(scene, fmi)
     results = output or Path("build") / f"{name}.csv"
     if results.suffix not in {".csv", ".nc"}:
         raise OptionError(f"output = {results}: a name that ends with .csv or .nc is expected")
+    check_writable(results)
+    if plot:
+        check_picture(plot)
     wanted = [*(record or []), *(("theta", "y_m1") if plot else ())]
     failure: RunError | None = None
     with showing_progress(name) as progress:
@@ -109,15 +117,21 @@ def run(
             if error.partial is None:
                 raise
             failure, result = error, error.partial  # type: ignore[assignment]
+    write_results(_without_angles(result, record or []), results)
     if plot:
         plot_frames(result, plot, frame_interval)
-        if "theta" not in (record or []):
-            result = result.drop_dims("link")
-    write_results(result, results)
     print_summary(result, Console())
     print(f"results: {results}" + (f", picture: {plot}" if plot else ""))
     if failure is not None:
         raise RunError(f"the run ended at t = {failure.time:g} s; the results up to then are kept.\n{failure}")
+
+
+def _without_angles(result: xr.Dataset, record: list[str]) -> xr.Dataset:
+    """Without the angles that only the picture needed."""
+    if "theta" not in result or any(name.startswith("theta") for name in record):
+        return result
+    result = result.drop_vars("theta")
+    return result if any("link" in v.dims for v in result.data_vars.values()) else result.drop_dims("link")
 
 
 def _archive_for(scene: str, fmi: int | None) -> tuple[Path, str, float]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .errors import OptionError
 
-__all__ = ["replacing"]
+__all__ = ["check_writable", "replacing"]
 
 
 @contextmanager
@@ -20,23 +20,40 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises
     ------
     OptionError
-        If the folder does not exist and cannot be made, or is not writable.
+        If the folder does not exist and cannot be made or is not writable, if `path` is a folder itself, or
+        if the disk is full.
     """
-    handle = None
+    temporary = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        check_writable(path)
+        handle, name = tempfile.mkstemp(prefix=".cablefmu-", dir=path.parent)
         os.close(handle)
-    except OSError as error:
-        raise OptionError(f"{path}: cannot be written ({error.strerror})") from None
-    temporary = Path(name)
-    try:
+        temporary = Path(name)
         yield temporary
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)
         temporary.replace(path)
-    except IsADirectoryError:
-        raise OptionError(f"{path}: is a folder, a file name is expected") from None
+    except OSError as error:
+        raise OptionError(f"{path}: cannot be written ({error.strerror or error})") from None
     finally:
-        temporary.unlink(missing_ok=True)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def check_writable(path: Path) -> None:
+    """Find out before long work whether its result has a place; makes the folder if there is none.
+
+    Raises
+    ------
+    OptionError
+        If `path` is a folder, or its own folder cannot be made or written to.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.is_dir():
+            raise OptionError(f"{path}: is a folder, a file name is expected")
+        with tempfile.NamedTemporaryFile(prefix=".cablefmu-", dir=path.parent):
+            pass
+    except OSError as error:
+        raise OptionError(f"{path}: cannot be written ({error.strerror or error})") from None

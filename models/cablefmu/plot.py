@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from .cable import Floats
 from .errors import OptionError
-from .files import replacing
+from .files import check_writable, replacing
 
-__all__ = ["node_positions", "plot_frames"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["check_picture", "draw_frames", "node_positions", "plot_frames"]
 
 
 def node_positions(result: xr.Dataset) -> tuple[Floats, Floats]:
@@ -51,18 +56,48 @@ def plot_frames(result: xr.Dataset, path: Path, interval: float) -> None:
     OptionError
         If matplotlib is not installed, knows no such suffix, or the file cannot be written.
     """
-    try:
-        from matplotlib import colormaps
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise OptionError("a picture needs matplotlib: pip install 'cablefmu[plot]'") from None
-    figure = Figure(figsize=(8, 6), layout="constrained")
-    kinds = FigureCanvasAgg(figure).get_supported_filetypes()
+    figure = draw_frames(result, interval)
+    check_picture(path)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format=path.suffix.removeprefix("."), dpi=120)
+
+
+def check_picture(path: Path) -> None:
+    """Find out before a run whether its picture can be made.
+
+    Raises
+    ------
+    OptionError
+        If matplotlib is not installed, knows no such suffix, or the folder is not writable.
+    """
+    _need_matplotlib()
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    kinds = FigureCanvasBase.get_supported_filetypes()
     if path.suffix.removeprefix(".") not in kinds:
-        raise OptionError(
-            f"plot = {path}: a name that ends with one of {', '.join('.' + k for k in sorted(kinds))} is expected"
-        )
+        allowed = ", ".join(f".{kind}" for kind in sorted(kinds))
+        raise OptionError(f"plot = {path}: a name that ends with one of {allowed} is expected")
+    check_writable(path)
+
+
+def _need_matplotlib() -> None:
+    if importlib.util.find_spec("matplotlib") is None:
+        raise OptionError("a picture needs matplotlib: pip install 'cablefmu[plot]'")
+
+
+def draw_frames(result: xr.Dataset, interval: float) -> Figure:
+    """The picture that `plot_frames` writes, as a figure of matplotlib.
+
+    Raises
+    ------
+    OptionError
+        If matplotlib is not installed.
+    """
+    _need_matplotlib()
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 6), layout="constrained")
     axes = figure.add_subplot()
     x, y = node_positions(result)
     times = result["time"].values
@@ -76,8 +111,7 @@ def plot_frames(result: xr.Dataset, path: Path, interval: float) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.invert_yaxis()
     axes.grid(alpha=0.3)
-    with replacing(path) as temporary:
-        figure.savefig(temporary, format=path.suffix.removeprefix("."), dpi=120)
+    return figure
 
 
 def _title(result: xr.Dataset, times: Floats, interval: float) -> str:

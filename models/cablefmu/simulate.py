@@ -20,6 +20,7 @@ from .drive import Driver, make_driver
 from .errors import OptionError, RunError
 from .feed import Feed
 from .fmu.archive import Archive, build_fmu, open_fmu
+from .fmu.table import table
 from .fmu.variables import Kind, Variable, variables_of
 from .results import Recording, dataset
 from .scene import Scene, load_scene
@@ -48,7 +49,8 @@ class Settings:
 
     def times(self) -> list[float]:
         """Output times: 0, step, 2 step, ..., and the stop time [s]."""
-        count = math.ceil(self.stop_time / self.step - 1e-9)
+        # Rounding of the quotient must not make one more interval; a step beyond the stop time makes one.
+        count = math.ceil(self.stop_time / self.step * (1.0 - 1e-12))
         return [k * self.step for k in range(count)] + [self.stop_time]
 
 
@@ -140,9 +142,10 @@ def _settings(
     variables = {variable.name: variable for variable in variables_of(scene.cable, scene.dropped_outputs)}
     for name, value in settings.given.items():
         _check_given(name, value, variables)
+    recordable = [*GROUPS, *(name for name, variable in variables.items() if variable.kind is not Kind.TIME)]
     for name in settings.record:
-        if name not in GROUPS and name not in variables:
-            raise OptionError(f"record {name}: there is no such variable{_nearest(name, [*GROUPS, *variables])}")
+        if name not in recordable:
+            raise OptionError(f"record {name}: there is no such variable{_nearest(name, recordable)}")
     return settings
 
 
@@ -160,6 +163,10 @@ def _check_given(name: str, value: float, variables: Mapping[str, Variable]) -> 
         raise OptionError(f"set {name}: it is calculated and cannot be set; parameters, inputs and start values can")
     if not math.isfinite(value):
         raise OptionError(f"set {name}={value}: a finite number [{variables[name].unit}] is expected")
+    least = table().parameters[name].least if variables[name].kind is Kind.PARAMETER else "-inf"
+    if value < float(least) or (least == "+0" and value == 0.0):
+        expected = "a number above 0" if least == "+0" else f"a number of {least} or more"
+        raise OptionError(f"set {name}={value}: {expected} [{variables[name].unit}] is expected")
 
 
 def _nearest(name: str, allowed: Sequence[str]) -> str:

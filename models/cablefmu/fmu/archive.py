@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.resources import files
@@ -63,8 +64,9 @@ def build_fmu(scene: Scene | str | Path, output: str | Path | None = None, *, fm
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     path = Path(output) if output is not None else default_path(scene, fmi)
+    members = _members(scene, fmi)
     with replacing(path) as temporary:
-        _write_zip(temporary, _members(scene, fmi))
+        _write_zip(temporary, members)
     return path
 
 
@@ -129,7 +131,8 @@ def open_fmu(path: str | Path) -> Archive:
                 raise FmuError(f"{path}: {damaged} in it is damaged")
             names = archive.namelist()
             texts = {name: archive.read(name) for name in names if name.startswith("resources/")}
-    except (zipfile.BadZipFile, OSError) as error:
+    # zlib.error: damaged; RuntimeError, NotImplementedError: encrypted or packed in a way that is not ours.
+    except (zipfile.BadZipFile, OSError, zlib.error, EOFError, RuntimeError, UnicodeDecodeError) as error:
         raise FmuError(f"{path}: is not an FMU ({error})") from None
     try:
         description = read_model_description(str(path), validate=False)
