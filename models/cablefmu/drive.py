@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from contextlib import chdir
 from typing import Any, Protocol
 
 from fmpy import fmi2, fmi3
@@ -61,10 +62,11 @@ class _Base(ABC):
     def load(self, kind: type, description: Any, interface: Any, folder: str) -> None:
         """The library for this platform."""
         try:
-            self.fmu = kind(
-                guid=description.guid, unzipDirectory=folder, modelIdentifier=interface.modelIdentifier,
-                instanceName=description.modelName,
-            )  # fmt: skip
+            with chdir("."):  # FMPy stays in the library's folder if it cannot load it
+                self.fmu = kind(
+                    guid=description.guid, unzipDirectory=folder, modelIdentifier=interface.modelIdentifier,
+                    instanceName=description.modelName,
+                )  # fmt: skip
         except Exception as error:  # FMPy raises a bare Exception where there is none, ctypes an OSError
             raise FmuError(f"the FMU's library cannot be loaded: {error}") from None
 

@@ -1,0 +1,207 @@
+"""Small scenes of every kind, and a host that drives their FMUs call by call, of either version of FMI."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fmpy import extract, fmi2, fmi3, read_model_description
+from fmpy.fmi1 import FMICallException
+
+from cablefmu.cable import Floats
+from cablefmu.fmu.archive import build_fmu
+from cablefmu.scene import Scene
+
+__all__ = ["KINDS", "SCENES", "Host", "small_scene", "unpack", "with_parameters"]
+
+_CABLE = """
+format = 1
+description = "Five links, small and quick"
+[cable]
+links = 5
+length = 20
+diameter = 0.02
+density = 7850
+young_modulus = 8e10
+joint_damping = 2.8
+[top]
+kind = "floater"
+mass = 600
+stiffness = 1200
+damping = 240
+[run]
+stop_time = 2
+[inputs]
+u_m1 = { signal = "sine", amplitude = 800, frequency = 0.5 }
+"""
+_WATER = "[water]\nCd = 1.0\n"
+_HANGING = '[shape]\nkind = "straight"\nangle = 0.5\n'
+_HELD = 'position = [12, 13]\n[shape]\nkind = "catenary"\n'
+_SPRINGS = (
+    "stiffness_horizontal = 5e3\ndamping_horizontal = 300\nstiffness_vertical = 4e3\ndamping_vertical = 200\n" + _HELD
+)
+_LOAD = '[terminal]\nkind = "load"\nmass = 60\nrotary_inertia = 50\n'
+
+SCENES = {
+    "air": _CABLE + _LOAD + _HANGING,
+    "load": _CABLE + _WATER + _LOAD + "density = 7850\n" + _HANGING,
+    "load-volume": _CABLE + _WATER + _LOAD + "volume = 0.01\n" + _HANGING,
+    "anchor-mass": _CABLE + _WATER + '[terminal]\nkind = "anchor-mass"\nmass = 1e4\n' + _HELD,
+    "anchor-spring": _CABLE + _WATER + '[terminal]\nkind = "anchor-spring"\nmass = 60\ndensity = 7850\n' + _SPRINGS,
+    "floater": _CABLE + _WATER + '[terminal]\nkind = "floater"\nmass = 500\nhorizontal_force = true\n' + _SPRINGS,
+}
+KINDS = tuple(SCENES)
+"""Every terminal, in water and in air, buoyancy by density and by volume."""
+
+
+def small_scene(kind: str) -> Scene:
+    return Scene.from_text(SCENES[kind], name=kind)
+
+
+def with_parameters(scene: Scene, **values: float) -> Scene:
+    """The same scene, built with other values: the way that does not go through the FMU's setters."""
+    return replace(scene, cable=replace(scene.cable, parameters=scene.cable.parameters | values))
+
+
+def unpack(scene: Scene, folder: Path, fmi: int) -> Path:
+    """Build the scene's FMU and unpack it into a folder of its own."""
+    target = folder / f"{scene.name}-{fmi}"
+    extract(str(build_fmu(scene, folder / f"{scene.name}-{fmi}.fmu", fmi=fmi)), unzipdir=str(target))
+    return target
+
+
+class Host(AbstractContextManager["Host"]):
+    """One instance through FMPy's bindings; names instead of references, FMI 2 and FMI 3 with one face."""
+
+    def __init__(
+        self, folder: Path, *, interface: str = "cs", token: str | None = None,
+        ask: Callable[[Host, float], None] | None = None,
+    ) -> None:  # fmt: skip
+        self.description = read_model_description(str(folder), validate=False)
+        self.fmi = int(self.description.fmiVersion[0])
+        self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.messages: list[str] = []
+        offered = self.description.coSimulation if interface == "cs" else self.description.modelExchange
+        kinds = {
+            (2, "cs"): fmi2.FMU2Slave, (2, "me"): fmi2.FMU2Model, (3, "cs"): fmi3.FMU3Slave, (3, "me"): fmi3.FMU3Model
+        }  # fmt: skip
+        self.fmu: Any = kinds[self.fmi, interface](
+            guid=token or self.description.guid, unzipDirectory=str(folder), modelIdentifier=offered.modelIdentifier,
+            instanceName=self.description.modelName,
+        )  # fmt: skip
+        try:
+            self._instantiate(ask)
+        except Exception as refused:  # FMPy's own, bare
+            raise InstantiationRefusedError(self.messages) from refused
+
+    def _instantiate(self, ask: Callable[[Host, float], None] | None) -> None:
+        if self.fmi == 2:
+            # As FMPy and other Python hosts have it: without the variable arguments of C.
+            def log2(environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+                self.messages.append(message.decode())
+
+            callbacks = fmi2.fmi2CallbackFunctions()
+            callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log2)
+            self.fmu.instantiate(callbacks=callbacks)
+            return
+
+        def log3(environment: Any, status: int, category: bytes, message: bytes) -> None:
+            self.messages.append(message.decode())
+
+        more: dict[str, Any] = {}
+        if ask:
+            inputs = [v.valueReference for v in self.description.modelVariables if v.causality == "input"]
+            more = {"requiredIntermediateVariables": inputs, "intermediateUpdate": lambda _, time, *__: ask(self, time)}
+        self.fmu.instantiate(logMessage=log3, **more)
+
+    def __exit__(self, *_: object) -> None:
+        self.fmu.freeInstance()
+
+    def names(self, *causalities: str) -> list[str]:
+        return [v.name for v in self.description.modelVariables if v.causality in causalities]
+
+    def get(self, *names: str) -> list[float]:
+        references = [self.reference[name] for name in names]
+        return list(self.fmu.getReal(references) if self.fmi == 2 else self.fmu.getFloat64(references))
+
+    def set(self, **values: float) -> None:
+        self.set_all(values)
+
+    def set_all(self, values: Mapping[str, float]) -> None:
+        references = [self.reference[name] for name in values]
+        (self.fmu.setReal if self.fmi == 2 else self.fmu.setFloat64)(references, list(values.values()))
+
+    def enter_initialization(self, start: float = 0.0, tolerance: float | None = None) -> None:
+        if self.fmi == 2:
+            self.fmu.setupExperiment(startTime=start, tolerance=tolerance)
+            self.fmu.enterInitializationMode()
+        else:
+            self.fmu.enterInitializationMode(startTime=start, tolerance=tolerance)
+
+    def initialize(self, **values: float) -> Host:
+        """To step mode or continuous-time mode, with these values set before."""
+        self.set_all(values)
+        self.enter_initialization()
+        self.fmu.exitInitializationMode()
+        if hasattr(self.fmu, "setTime"):
+            (self.fmu.newDiscreteStates if self.fmi == 2 else self.fmu.updateDiscreteStates)()
+            self.fmu.enterContinuousTimeMode()
+        return self
+
+    def step(self, time: float, length: float) -> None:
+        self.fmu.doStep(currentCommunicationPoint=time, communicationStepSize=length)
+
+    def run(self, stop: float, step: float = 0.1) -> Floats:
+        """All outputs at 0, step, ..., stop; shape (times, outputs)."""
+        outputs = self.names("output")
+        rows = [self.get(*outputs)]
+        for k in range(round(stop / step)):
+            self.step(k * step, step)
+            rows.append(self.get(*outputs))
+        return np.array(rows)
+
+    def states(self) -> Floats:
+        x = np.zeros(self.description.numberOfContinuousStates)
+        self.fmu.getContinuousStates(_pointer(x), len(x))
+        return x
+
+    def set_states(self, x: Sequence[float] | Floats, count: int | None = None) -> None:
+        values = np.array(x, dtype=float)
+        self.fmu.setContinuousStates(_pointer(values), len(values) if count is None else count)
+
+    def derivatives(self) -> Floats:
+        dx = np.zeros(self.description.numberOfContinuousStates)
+        read = self.fmu.getDerivatives if self.fmi == 2 else self.fmu.getContinuousStateDerivatives
+        read(_pointer(dx), len(dx))
+        return dx
+
+    def raw(self, function: str, *arguments: Any) -> int:
+        """Status of a call that FMPy has no wrapper for, or that must not raise."""
+        status: int = getattr(ctypes.CDLL(self.fmu.dll._name), function)(
+            ctypes.c_void_p(self.fmu.component), *arguments
+        )
+        return status
+
+    def refusal(self, call: Callable[..., Any], *arguments: Any, **named: Any) -> str:
+        """What the FMU says when it refuses this call; an AssertionError if it does not."""
+        before = len(self.messages)
+        try:
+            call(*arguments, **named)
+        except FMICallException as error:
+            assert error.status == 3, "fmi2Error and fmi3Error are 3"
+            assert len(self.messages) == before + 1, "one message for one mistake"
+            return self.messages[-1]
+        raise AssertionError("the call was accepted")
+
+
+class InstantiationRefusedError(Exception):
+    """The FMU returned no instance; its messages are the argument."""
+
+
+def _pointer(values: Floats) -> Any:
+    return values.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
