@@ -40,7 +40,7 @@ void terminal_motion(const Model *model, const double *x, const Work *work, doub
 void terminal_force(const Model *model, const double *x, const double *u, Work *work);
 double terminal_energy(const Model *model, const double position[2], const double velocity[2]);
 
-/* floater.c: acceleration of the top point P_0 from the cable's articulated inertia {A_xx, A_xy, A_yy} and bias there. */
+/* floater.c: acceleration of the top point P_0 from the cable's inertia {A_xx, A_xy, A_yy} and bias there. */
 void top_acceleration(const Model *model, const double *x, const double *u, const double inertia[3],
                       const double bias[2], double acceleration[2]);
 double floater_energy(const Model *model, const double *x);

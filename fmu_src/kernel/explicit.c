@@ -14,7 +14,7 @@
 enum { STAGES = 7, BLOCKS = STAGES + 1 };
 static const double SAFETY = 0.9, LEAST_CHANGE = 0.2, MOST_CHANGE = 5.0;
 static const double SMALLEST_ERROR = 1e-6; /* keeps the rule's roots away from zero */
-static const double RESOLUTION = 16.0 * 2.220446049250313e-16; /* of time, relative */
+static const double RESOLUTION = 16.0 * 2.220446049250313e-16; /* of time, relative: steps below it are none */
 
 /* Views into the method's block: the slopes k_1 ... k_7 and the point being tried. */
 typedef struct {
@@ -73,9 +73,12 @@ static double largest_scaled(int count, double tolerance, const double *x, const
     return largest;
 }
 
-/* A first step such that an Euler step's change and its change of slope stay small (Hairer's rule, section II.4). */
+/*
+ * A first step such that an Euler step's change and its change of slope stay small (Hairer's rule, section II.4),
+ * and not below `least`: the rule only guesses, and what is too small for time is for the error to say.
+ */
 static bool first_step(const System *system, SolverMemory *memory, const Stages *stages, double t, double span,
-                       const double *x)
+                       double least, const double *x)
 {
     const int count = model_states(system->model);
     const double unit = 1.0;
@@ -88,7 +91,7 @@ static bool first_step(const System *system, SolverMemory *memory, const Stages 
     const double bend = largest_scaled(count, unit, x, stages->slope[1]) / step;
     const double fastest = fmax(speed, bend);
     const double by_error = fastest > 1e-12 ? fifth_root(fmax(memory->tolerance / fastest, 1e-60)) : span;
-    memory->step = fmin(fmin(100.0 * step, by_error), span);
+    memory->step = fmin(fmax(fmin(100.0 * step, by_error), least), span);
     return true;
 }
 
@@ -138,7 +141,8 @@ static bool attempt(const System *system, SolverMemory *memory, const Stages *st
     for (int stage = 1; stage < STAGES; stage++) {
         const double c = DORMAND_PRINCE_54.c[stage];
         stage_point(count, stage, h, x, stages);
-        if (!slope_at(system, memory, c == 1.0 ? t_new : t + c * h, stages->trial, stages->slope[stage], u)) return false;
+        const double time = c == 1.0 ? t_new : t + c * h;
+        if (!slope_at(system, memory, time, stages->trial, stages->slope[stage], u)) return false;
     }
     memcpy(memory->slope_u, u, sizeof u);
     *error = scaled_error(count, h, memory->tolerance, x, stages);
@@ -191,25 +195,26 @@ SolverStatus explicit_advance(const System *system, SolverMemory *memory, double
 {
     const int count = model_states(system->model);
     const Stages stages = stages_in(block, count);
+    const double least = RESOLUTION * fmax(fabs(*t), fabs(t_end));
     bool rejected_before = false;
     if (!ensure_slope(system, memory, &stages, *t, x)) return SOLVER_INPUT_FAILED;
-    if (memory->step == 0.0 && !first_step(system, memory, &stages, *t, t_end - *t, x)) return SOLVER_INPUT_FAILED;
+    if (memory->step == 0.0 && !first_step(system, memory, &stages, *t, t_end - *t, least, x))
+        return SOLVER_INPUT_FAILED;
 
     for (int tries = 0; *t < t_end; tries++) {
         if (tries == SOLVER_MOST_STEPS) return SOLVER_TOO_MANY_STEPS;
         const double remaining = t_end - *t, wish = memory->step;
-        /* The last two steps share what remains, so that no sliver is left over. */
         const bool last = wish >= remaining;
+        if (wish < least && !last) return SOLVER_STEP_TOO_SMALL;
+        /* The last two steps share what remains, so that no sliver is left over. */
         const double h = last ? remaining : (2.0 * wish > remaining ? 0.5 * remaining : wish);
         const double t_new = last ? t_end : *t + h;
-        if (h < RESOLUTION * fmax(fabs(*t), fabs(t_end)) && !last) return SOLVER_STEP_TOO_SMALL;
 
         double error;
         if (!attempt(system, memory, &stages, *t, t_new, x, &error)) return SOLVER_INPUT_FAILED;
         if (!(error <= 1.0)) {
             reject(memory, h, error);
             rejected_before = true;
-            if (memory->step < RESOLUTION * fmax(fabs(*t), fabs(t_end))) return SOLVER_STEP_TOO_SMALL;
             continue;
         }
         accept(memory, h, error, rejected_before);

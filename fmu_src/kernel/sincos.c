@@ -11,8 +11,10 @@
  *     sin(r) = r + r^3 S(r^2)            relative error of the polynomial 3.5e-18
  *     cos(r) = 1 - r^2/2 + r^4 C(r^2)    error 4.7e-20
  *
- * S and C, of degree 5, are minimax on |r| <= 1.0001 pi/4 (Remez exchange in 60 digits). Rounding
- * leaves a total error below 0.85 units in the last place (test_sincos.py measures it against mpmath).
+ * S and C, of degree 5, are minimax on |r| <= 1.0001 pi/4 (Remez exchange in 60 digits). Rounding leaves
+ * a total error below 0.85 units in the last place (0.80 measured in 4e7 arguments against 64 bits, and
+ * test_sincos.py against mpmath). Of the 1,018,591 doubles nearest to a multiple of pi/2 in the range, where
+ * the three parts run out of bits, two have 1.07, at 263205 pi/2 and its double; all others hold 0.85.
  * The quadrant k mod 4 swaps and signs the two by masks: no branch.
  */
 static const double TWO_OVER_PI = 0x1.45f306dc9c883p-1;

@@ -58,7 +58,8 @@ size_t explicit_doubles(int n);
 SolverStatus explicit_advance(const System *system, SolverMemory *memory, double *block, double *t, double t_end,
                               double *x);
 
-/* x^(1/5) for x > 0 by Newton's method: the same bits everywhere, unlike pow() of libm. */
+/* x^(1/5) for normal x > 0 within 2 units in the last place, by Newton's method: the same bits everywhere, unlike
+ * pow() of libm. */
 double fifth_root(double x);
 
 #endif

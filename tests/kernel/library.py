@@ -21,7 +21,18 @@ import numpy as np
 from cablefmu.cable import Cable, Drag, Floats, Terminal
 from cablefmu.fmu.table import table
 
-__all__ = ["BINDINGS", "PROBE", "Kernel", "Run", "Wave", "compile_kernel", "inputs_of", "load", "toolchain"]
+__all__ = [
+    "BINDINGS",
+    "PROBE",
+    "Kernel",
+    "Run",
+    "Status",
+    "Wave",
+    "compile_kernel",
+    "inputs_of",
+    "load",
+    "toolchain",
+]
 
 PROBE = Path(__file__).with_name("probe.c")
 
@@ -162,28 +173,30 @@ class Kernel:
         """Fill the scratch arrays with NaN."""
         self._library.probe_spoil_scratch(self._handle)
 
-    def run(
-        self,
-        times: Floats,
-        *,
-        tolerance: float,
-        waves: Mapping[str, Wave] | None = None,
-        start: tuple[Floats, Floats] | None = None,
-    ) -> list[Run]:
-        """From times[0] to each of the later times in turn, the solver's memory kept; ends early on failure."""
-        q, v = (self.cable.position, self.cable.velocity) if start is None else start
-        x, counter = np.concatenate([q, v]), np.zeros(len(table().solver))
-        signals = np.zeros((3, len(table().inputs)))
-        for name, wave in (waves or {}).items():
-            signals[:, table().inputs[name].slot] = wave
-        t, half, runs = ctypes.c_double(times[0]), len(q), []
+    def start(self, time: float, q: Floats, v: Floats, *, tolerance: float) -> None:
+        """Set the solver to a state at a time [s], with nothing remembered."""
+        self._time, self._x = ctypes.c_double(time), np.concatenate([q, v])
         self._library.probe_restart(self._handle, tolerance)
+
+    def advance(self, end: float, waves: Mapping[str, Wave]) -> Run:
+        """One communication step of the explicit solver, to the time `end` [s]."""
+        signals, counter = np.zeros((3, len(table().inputs))), np.zeros(len(table().solver))
+        for name, wave in waves.items():
+            signals[:, table().inputs[name].slot] = wave
+        time, x = self._time, self._x
+        status = self._library.probe_advance(self._handle, ctypes.byref(time), end, x, signals, counter)
+        names = (name.removeprefix("solver.") for name in table().solver)
+        half = self.cable.n + 1
+        counters = dict(zip(names, map(int, counter), strict=True))
+        return Run(_STATUS[status], time.value, x[:half].copy(), x[half:].copy(), counters)
+
+    def run(self, times: Floats, *, tolerance: float, waves: Mapping[str, Wave] | None = None) -> list[Run]:
+        """From the cable's start at times[0] to each later time in turn; ends early on failure."""
+        self.start(times[0], self.cable.position, self.cable.velocity, tolerance=tolerance)
+        runs: list[Run] = []
         for end in times[1:]:
-            status = self._library.probe_advance(self._handle, ctypes.byref(t), end, x, signals, counter)
-            names = (name.removeprefix("solver.") for name in table().solver)
-            counters = dict(zip(names, map(int, counter), strict=True))
-            runs.append(Run(_STATUS[status], t.value, x[:half].copy(), x[half:].copy(), counters))
-            if status:
+            runs.append(self.advance(end, waves or {}))
+            if runs[-1].status != "ok":
                 break
         return runs
 

@@ -19,8 +19,8 @@ LISTS = {
 
 @pytest.mark.parametrize("which", LISTS)
 def test_names_order_and_count_are_those_of_the_enumeration(library: ctypes.CDLL, which: int) -> None:
-    compiled = [name.decode() for name in takewhile(bool, (library.probe_name(which, slot) for slot in count()))]
-    assert compiled == LISTS[which]
+    names = takewhile(bool, (library.probe_name(which, slot) for slot in count()))
+    assert [name.decode() for name in names] == LISTS[which]
 
 
 def test_slots_count_from_zero() -> None:
