@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from fmpy import extract, fmi2, fmi3, read_model_description
 from fmpy.fmi1 import FMICallException
 
@@ -188,15 +189,13 @@ class Host(AbstractContextManager["Host"]):
         return status
 
     def refusal(self, call: Callable[..., Any], *arguments: Any, **named: Any) -> str:
-        """What the FMU says when it refuses this call; an AssertionError if it does not."""
+        """What the FMU says when it refuses this call."""
         before = len(self.messages)
-        try:
+        with pytest.raises(FMICallException) as refused:
             call(*arguments, **named)
-        except FMICallException as error:
-            assert error.status == 3, "fmi2Error and fmi3Error are 3"
-            assert len(self.messages) == before + 1, "one message for one mistake"
-            return self.messages[-1]
-        raise AssertionError("the call was accepted")
+        assert refused.value.status == 3, "fmi2Error and fmi3Error are 3"
+        assert len(self.messages) == before + 1, "one message for one mistake"
+        return self.messages[-1]
 
 
 class InstantiationRefusedError(Exception):

@@ -1,0 +1,48 @@
+"""The resource file: its layout, read here once more by hand."""
+
+from __future__ import annotations
+
+import struct
+import uuid
+
+import numpy as np
+import pytest
+
+from cablefmu.fmu.resource import resource_bytes, token_of
+from cablefmu.fmu.table import table
+from cablefmu.fmu.variables import variables_of
+from tests.fmu_helpers import KINDS, small_scene
+
+TERMINALS = {"air": 0, "load": 0, "load-volume": 0, "anchor-mass": 1, "anchor-spring": 2, "floater": 3}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_layout(kind: str) -> None:
+    cable, rows = small_scene(kind).cable, table()
+    variables = variables_of(cable)
+    data = resource_bytes(cable, variables)
+    magic, version, n, terminal, drag, present, *counts = struct.unpack_from("<8sIIIIQIIII", data)
+    assert (magic, version, n, terminal) == (b"CABLEFMU", 1, 5, TERMINALS[kind])
+    assert drag == (0 if kind == "air" else 1)
+    assert counts == [len(rows.parameters), len(rows.inputs), len(rows.outputs), len(variables)]
+    assert {name for name, row in rows.parameters.items() if present >> row.slot & 1} == set(cable.parameters)
+
+    doubles = np.frombuffer(data, "<f8", count=counts[0] + counts[1] + 2 + 8 * n + 2 * (n + 1), offset=48)
+    parameters, inputs, rest, links, state = np.split(doubles, np.cumsum([counts[0], counts[1], 2, 8 * n]))
+    assert {name: parameters[rows.parameters[name].slot] for name in cable.parameters} == cable.parameters
+    assert tuple(rest) == cable.rest_position
+    assert not np.any(inputs)  # the sine starts at 0
+    columns = ("length", "mass", "inertia", "volume", "joint_stiffness", "joint_damping", "drag_area", "drag")
+    for name, column in zip(columns, links.reshape(8, n), strict=True):
+        np.testing.assert_array_equal(column, getattr(cable.links, name))
+    np.testing.assert_array_equal(state, np.concatenate([cable.position, cable.velocity]))
+    accessors = list(struct.iter_unpack("<II", data[48 + doubles.nbytes :]))
+    assert accessors == [(v.kind, v.index) for v in variables]
+
+
+def test_the_token_is_a_uuid_of_the_content() -> None:
+    tokens = {token_of(content) for content in (b"", b"a", b"b", b"a" * 1000)}
+    assert len(tokens) == 4
+    assert all(str(uuid.UUID(token)) == token.strip("{}") for token in tokens)
+    # SHA-256 of "abc", FIPS 180-4: ba7816bf 8f01cfea 414140de 5dae2223 ...
+    assert token_of(b"abc") == "{ba7816bf-8f01-cfea-4141-40de5dae2223}"

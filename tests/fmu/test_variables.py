@@ -1,0 +1,85 @@
+"""The table of variables: what a scene's FMU has, and nothing that the scene does not have."""
+
+from __future__ import annotations
+
+import pytest
+
+from cablefmu.fmu.table import table
+from cablefmu.fmu.units import UNITS
+from cablefmu.fmu.variables import Kind, output_names, variables_of
+from tests.fmu_helpers import KINDS, small_scene
+
+FORCES = {
+    "air": ["u_m1", "F_cx", "F_cy"],
+    "load": ["u_m1", "F_cx", "F_cy"],
+    "load-volume": ["u_m1", "F_cx", "F_cy"],
+    "anchor-mass": ["u_m1"],
+    "anchor-spring": ["u_m1"],
+    "floater": ["u_m1", "u_m2", "F_cx"],
+}
+COMMON = {"g", "M_1", "k_m1", "c_m1", "static_load", "k_joint", "c_joint"}
+SPRING = {"static_load_2", "static_pull_2"}
+PARAMETERS = {
+    "air": {"m_c", "I_Rc"},
+    "load": {"rho_w", "Cd", "m_c", "I_Rc", "rho_c"},
+    "load-volume": {"rho_w", "Cd", "m_c", "I_Rc", "V_c"},
+    "anchor-mass": {"rho_w", "Cd", "m_c"},
+    "anchor-spring": {"rho_w", "Cd", "m_c", "rho_c", "k_cH", "c_cH", "k_cV", "c_cV", *SPRING},
+    "floater": {"rho_w", "Cd", "M_2", "k_m2H", "c_m2H", "k_m2V", "c_m2V", *SPRING},
+}
+OUTPUTS = ["y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c", "tension_top", "tension_end", "tension_max", "energy"]
+
+
+def names(kind: str, causality: str, dropped: tuple[str, ...] = ()) -> list[str]:
+    return [v.name for v in variables_of(small_scene(kind).cable, dropped) if v.causality == causality]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_scene_has_its_own_variables_and_no_other(kind: str) -> None:
+    assert names(kind, "input") == FORCES[kind]
+    assert set(names(kind, "parameter")) == COMMON | PARAMETERS[kind]
+    assert set(names(kind, "output")) == {*OUTPUTS, "solver.steps", "solver.rejected", "solver.rhs"}
+    assert names(kind, "independent") == ["time"]
+
+
+def test_states_are_heave_and_angles_then_their_rates() -> None:
+    variables = variables_of(small_scene("load").cable)
+    links = range(1, 6)
+    states = [v.name for v in variables if v.kind is Kind.STATE]
+    assert states == ["y_m1", *(f"theta[{i}]" for i in links), "v_m1", *(f"omega[{i}]" for i in links)]
+    assert [v.name for v in variables if v.kind is Kind.DERIVATIVE] == [f"der({name})" for name in states]
+
+
+def test_value_references_are_places_in_the_list() -> None:
+    variables = variables_of(small_scene("floater").cable)
+    assert [v.reference for v in variables] == list(range(len(variables)))
+    assert len({v.name for v in variables}) == len(variables)
+
+
+@pytest.mark.parametrize("name", output_names(small_scene("load").cable))
+def test_any_output_can_be_dropped(name: str) -> None:
+    """A dropped state stays, as a local variable; everything else goes."""
+    whole, rest = names("load", "output"), names("load", "output", (name,))
+    assert rest == [other for other in whole if other != name]
+    assert (name in names("load", "local", (name,))) == (name in ("y_m1", "v_m1"))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_units_and_directions_are_said(kind: str) -> None:
+    for variable in variables_of(small_scene(kind).cable):
+        assert variable.unit in UNITS
+        if variable.kind not in (Kind.TIME, Kind.PARAMETER, Kind.SOLVER):
+            assert variable.description.endswith("; x right, y down")
+
+
+def test_the_table_is_read_whole() -> None:
+    """As many rows as the file has lines of each kind: a row that the pattern misses would shift all slots."""
+    from importlib.resources import files
+
+    text = (files("cablefmu") / "binaries" / "variables.def").read_text(encoding="utf-8")
+    rows = table()
+    for kind, found in (
+        ("PARAMETER", rows.parameters), ("INPUT", rows.inputs), ("OUTPUT", rows.outputs), ("SOLVER", rows.solver)
+    ):  # fmt: skip
+        assert len(found) == sum(line.startswith(f"{kind}(") for line in text.splitlines())
+        assert [row.slot for row in found.values()] == list(range(len(found)))
