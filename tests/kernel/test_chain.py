@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cablefmu.cable import Drag, Floats
+from cablefmu.reference import Reference
 from cablefmu.reference.extended import extended_acceleration
 from tests.kernel.cases import Case, case, heavy_case
 from tests.kernel.library import Kernel
@@ -69,6 +70,22 @@ def test_heavy_end_costs_digits_in_proportion(library: ctypes.CDLL, mass: float)
     for draw in range(3):
         c = heavy_case(library, mass, draw)
         assert error(c.kernel.acceleration(c.q, c.v, c.inputs), exact_acceleration(c)) < LOST[mass]
+
+
+@pytest.mark.parametrize("missing", ["joint_stiffness", "joint_damping", "drag"])
+def test_what_a_scene_does_not_have_takes_nothing_else_with_it(library: ctypes.CDLL, missing: str) -> None:
+    """The kernel skips joints' springs, joints' dampers and drag where they are zero, each by itself."""
+    kind = next(k for k, (_, _, drag) in enumerate(KINDS) if drag is Drag.PER_LINK)
+    c = case(library, 12, kind)
+    bare = {name: value for name, value in c.cable.parameters.items() if name not in ("k_joint", "c_joint")}
+    links = replace(c.cable.links, **{missing: np.zeros(12)})
+    cable = replace(c.cable, links=links, parameters=bare)
+    found, expected, whole = (
+        model.acceleration(c.q, c.v, c.inputs)
+        for model in (Kernel(library, cable), Reference(cable), c.reference)
+    )
+    assert error(found, expected) < DENSE
+    assert error(found, whole) > 1e-6
 
 
 @pytest.mark.parametrize("kind", [0, 2])

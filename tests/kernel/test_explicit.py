@@ -103,9 +103,9 @@ def test_communication_steps_change_no_more_than_the_tolerance(library: ctypes.C
 
 
 def test_every_step_ends_on_its_time_to_the_last_bit(library: ctypes.CDLL) -> None:
-    """Start + k h, with h = 0.1 that no double is; and far from zero, where the spacing is wide."""
-    for start in (0.0, 1e6):
-        times = np.array([start + 0.1 * k for k in range(51)])
+    """Start + k h, with h = 0.1 that no double is; far from zero; and across it, where t + (end - t) is not end."""
+    across = [-1.0, 1e-3 / 3, 2e-3 / 3, 1.0]
+    for times in (np.linspace(0.0, 5.0, 51), np.array([1e6 + 0.1 * k for k in range(51)]), np.array(across)):
         runs = Kernel(library, fall()).run(times, tolerance=1e-6)
         assert [run.time for run in runs] == times[1:].tolist()
 
@@ -138,7 +138,10 @@ def test_a_short_communication_step_does_not_shrink_the_next(library: ctypes.CDL
 
 def test_evaluations_are_counted(library: ctypes.CDLL) -> None:
     """Six an attempt, the seventh being the next step's first; two more at the start."""
-    counters = Kernel(library, fall()).run(np.linspace(0.0, 10.0, 11), tolerance=1e-6)[-1].counters
+    wave = {"u_m1": (0.0, 1e3, 2.0)}
+    counters = (
+        Kernel(library, fall()).run(np.linspace(0.0, 10.0, 11), tolerance=1e-6, waves=wave)[-1].counters
+    )
     assert counters["rejected"] > 0
     assert counters["rhs"] == 6 * (counters["steps"] + counters["rejected"]) + 2
 

@@ -1,0 +1,40 @@
+"""The kernel put through its paces in a process of its own, so that a library may crash: `python -m` with its path.
+
+Prints "done" at the end. Used with libraries that trap on undefined behaviour.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from tests.kernel.cases import case
+from tests.kernel.library import load
+from tests.random_cables import KINDS
+
+
+def exercise(path: Path) -> None:
+    """Derivatives, outputs and a short run of random cables of every kind, sines over and beyond their range."""
+    library = load(path)
+    for n in (1, 2, 3, 12, 60):
+        for kind in range(len(KINDS)):
+            c = case(library, n, kind)
+            c.kernel.outputs(c.q, c.v, c.inputs)
+            c.kernel.outputs_without_tensions(c.q, c.v)
+            c.kernel.start(0.0, c.q, c.v, tolerance=1e-4)
+            c.kernel.advance(0.1, {name: (force, force, 3.0) for name, force in c.inputs.items()})
+    c = case(library, 3, 0)
+    for wild in (1e30, np.inf, np.nan):
+        c.kernel.start(0.0, c.q, np.full(4, wild), tolerance=1e-4)
+        c.kernel.advance(0.1, {})
+    x = np.concatenate([np.linspace(-2e6, 2e6, 100_001), [1e300, np.inf, np.nan]])
+    library.sincos_array(len(x), x, np.empty_like(x), np.empty_like(x))
+    for value in (5e-324, 1e-300, 1.0, 1e300, np.inf, np.nan):
+        library.fifth_root(value)
+
+
+if __name__ == "__main__":
+    exercise(Path(sys.argv[1]))
+    print("done")
