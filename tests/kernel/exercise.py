@@ -1,6 +1,7 @@
-"""The kernel put through its paces in a process of its own, so that a library may crash: `python -m` with its path.
+"""The kernel put through its paces in a process of its own, where it may crash.
 
-Prints "done" at the end. Used with libraries that trap on undefined behaviour.
+`python -m tests.kernel.exercise LIBRARY` prints "done" at the end. The library may be one that traps on
+undefined behaviour.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from tests.random_cables import KINDS
 
 
 def exercise(path: Path) -> None:
-    """Derivatives, outputs and a short run of random cables of every kind, sines over and beyond their range."""
+    """Derivatives, outputs and short runs of random cables of every kind; sines beyond their range."""
     library = load(path)
     for n in (1, 2, 3, 12, 60):
         for kind in range(len(KINDS)):

@@ -11,7 +11,11 @@ from tests.kernel.library import compile_kernel
 TRAPS = ["-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fsanitize-trap=undefined", "-ffp-contract=off"]
 CANARY = """
 int canary(int value);
-__attribute__((constructor)) static void sing(void) { volatile int most = 2147483647; most = most + canary(1); }
+__attribute__((constructor)) static void sing(void)
+{
+    volatile int most = 2147483647;
+    most = most + canary(1);
+}
 int canary(int value) { return value; }
 """
 """An integer overflow as soon as the library is loaded: shows that the traps are set."""
