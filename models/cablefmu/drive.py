@@ -278,7 +278,8 @@ class _ModelExchange(_Base):
         try:
             self._solver.step(time, end)
         except RuntimeError as error:
-            raise self._error or RunError(f"CVode gave up: {error}") from None
+            # FMPy's text goes "... function, source file: At t = ..., reason".
+            raise self._error or RunError(f"CVode gave up: {str(error).rpartition('.c: ')[2]}") from None
         if self._error is not None:
             raise self._error
         self._set_time(end)

@@ -78,5 +78,5 @@ def _fits(signal: Signal, time: float, ahead: float, derivatives: Sequence[float
         power *= ahead / order
         total += derivative * power
         size += abs(derivative * power)
-    actual = signal(math.nextafter(time + ahead, -math.inf))
+    actual = signal(max(time, math.nextafter(time + ahead, -math.inf)))
     return abs(total - actual) <= _EXACT * size + _ROUNDING * math.ulp(time + ahead) * slope

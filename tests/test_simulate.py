@@ -1,0 +1,221 @@
+"""From a scene to results: four ways through FMPy that agree, and mistakes answered before the run."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+import xarray as xr
+
+from cablefmu.errors import CableError, FmuError, OptionError, RunError, SceneError
+from cablefmu.fmu.archive import build_fmu
+from cablefmu.scene import Scene
+from cablefmu.signals import Constant
+from cablefmu.simulate import simulate
+from tests.fmu.test_archive import rewrite
+from tests.fmu_helpers import KINDS, SCENES, small_scene, with_parameters
+
+WAYS = [(2, "cs"), (2, "me"), (3, "cs"), (3, "me")]
+SINE = '{ signal = "sine", amplitude = 800, frequency = 0.5 }'
+JUMPS = '{ signal = "steps", times = [0.25, 1.13], values = [900, -400] }'
+
+
+def jumping() -> Scene:
+    return Scene.from_text(SCENES["load"].replace(SINE, JUMPS), name="jumping")
+
+
+@pytest.mark.parametrize("scene", [*map(small_scene, KINDS), jumping()], ids=lambda scene: scene.name)
+def test_four_ways_agree(scene: Scene) -> None:
+    """Dormand-Prince in the FMU and CVode outside share nothing; both are run at 1e-9."""
+    results = [simulate(scene, fmi=fmi, interface=interface, tolerance=1e-9) for fmi, interface in WAYS]
+    for other in results[1:]:
+        for name in ("y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c"):
+            np.testing.assert_allclose(other[name], results[0][name], rtol=0.0, atol=2e-6)
+        np.testing.assert_allclose(other["tension_max"], results[0]["tension_max"], rtol=1e-5, atol=1e-3)
+
+
+@pytest.mark.parametrize("step", [0.5, 0.2, 0.037])
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_communication_step_does_not_matter(fmi: int, step: float) -> None:
+    """Inside a step the FMU follows the force: only the solver's tolerance is left."""
+    fine = simulate(jumping(), fmi=fmi, step=0.01, tolerance=1e-9)
+    coarse = simulate(jumping(), fmi=fmi, step=step, tolerance=1e-9)
+    assert float(coarse["x_c"][-1]) == pytest.approx(float(fine["x_c"][-1]), abs=1e-7)
+    assert float(coarse["y_m1"][-1]) == pytest.approx(float(fine["y_m1"][-1]), abs=1e-7)
+
+
+@pytest.mark.parametrize("kind", ["load", "floater"])
+@pytest.mark.parametrize(("fmi", "interface"), WAYS)
+def test_fmpy_runs_the_archive_out_of_the_box(kind: str, fmi: int, interface: str, tmp_path: Path) -> None:
+    text = SCENES[kind].replace(SINE, "500")
+    scene = Scene.from_text(text, name=kind)  # a constant force is the input's start value
+    path = build_fmu(scene, tmp_path / "x.fmu", fmi=fmi)
+    kinds = {"cs": "CoSimulation", "me": "ModelExchange"}
+    theirs = fmpy.simulate_fmu(str(path), fmi_type=kinds[interface], relative_tolerance=1e-8, output_interval=0.1)
+    ours = simulate(path, interface=interface, tolerance=1e-8)
+    np.testing.assert_allclose(theirs["time"], ours["time"], atol=1e-12)
+    for name in ("y_m1", "x_c", "y_c", "vx_c"):
+        np.testing.assert_allclose(theirs[name], ours[name], rtol=0.0, atol=2e-6)
+
+
+# --- what comes out ---
+
+
+@pytest.mark.parametrize(
+    ("stop", "step", "times"),
+    [
+        (0.5, 0.2, [0.0, 0.2, 0.4, 0.5]),
+        (0.3, 0.1, [0.0, 0.1, 0.2, 0.3]),
+        (0.1, 5.0, [0.0, 0.1]),
+        (0.1, 1e12, [0.0, 0.1]),
+        (0.7, 0.1, [0.0, 0.1, 0.2, 0.1 * 3, 0.4, 0.5, 0.1 * 6, 0.7]),
+    ],
+)
+def test_the_first_row_is_the_start_and_the_last_the_stop(stop: float, step: float, times: list[float]) -> None:
+    assert simulate(small_scene("load"), stop_time=stop, step=step)["time"].values.tolist() == times
+
+
+def test_ten_thousand_steps_end_on_time() -> None:
+    result = simulate(small_scene("load"), stop_time=100.0, step=0.01)
+    assert len(result["time"]) == 10_001
+    assert result["time"].values[-1] == 100.0
+
+
+def test_defaults_are_the_scenes() -> None:
+    result = simulate(small_scene("load"))
+    assert (result["time"].values[-1], len(result["time"])) == (2.0, 21)
+    assert (result.attrs["fmi"], result.attrs["interface"], result.attrs["tolerance"]) == (2, "cs", 1e-6)
+
+
+def test_all_angles_make_one_array() -> None:
+    result = simulate(small_scene("load"), stop_time=0.3, record=["theta", "omega", "u_m1", "der(v_m1)"])
+    assert result["theta"].dims == result["omega"].dims == ("time", "link")
+    x = (result["link_length"] * np.sin(result["theta"])).sum("link")
+    np.testing.assert_allclose(x, result["x_c"], rtol=1e-14)
+    np.testing.assert_allclose(result["u_m1"], 800.0 * np.sin(np.pi * result["time"]), rtol=1e-12, atol=1e-9)
+
+
+def test_one_link_can_be_recorded_alone() -> None:
+    result = simulate(small_scene("load"), stop_time=0.1, record=["theta[3]", "x_c"])
+    assert result["theta[3]"].dims == ("time",)
+    assert "theta" not in result
+
+
+def test_progress_is_told() -> None:
+    told: list[tuple[float, float]] = []
+    simulate(small_scene("load"), stop_time=0.2, progress=lambda time, stop: told.append((time, stop)))
+    assert told == [(0.1, 0.2), (0.2, 0.2)]
+
+
+def test_a_run_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    simulate(small_scene("load"), stop_time=0.1)
+    with pytest.raises(RunError):
+        simulate(small_scene("load"), parameters={"F_cx": 1e300})
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- what can be set ---
+
+
+def test_parameters_inputs_and_start_values_can_be_set() -> None:
+    scene = small_scene("load")
+    given = {"m_c": 80.0, "u_m1": 150.0, "theta[1]": 0.2, "v_m1": 0.3}
+    position, velocity = scene.cable.position.copy(), scene.cable.velocity.copy()
+    position[1], velocity[0] = 0.2, 0.3
+    built = with_parameters(scene, m_c=80.0)
+    cable = replace(built.cable, position=position, velocity=velocity)
+    built = replace(built, cable=cable, signals={**scene.signals, "u_m1": Constant(150.0)})
+    was_set = simulate(scene, parameters=given, stop_time=1.0)
+    text = SCENES["load"].replace(SINE, "150")
+    was_built = simulate(replace(built, text=text), stop_time=1.0)
+    for name in ("y_m1", "x_c", "tension_top"):
+        np.testing.assert_allclose(was_set[name], was_built[name], rtol=1e-12)
+
+
+def test_a_set_force_is_constant_in_place_of_the_scenes() -> None:
+    result = simulate(jumping(), parameters={"u_m1": 5.0}, record=["u_m1"])
+    assert np.all(result["u_m1"] == 5.0)
+
+
+WRONG: list[tuple[dict[str, Any], type[CableError], str]] = [
+    ({"fmi": 1}, OptionError, "fmi = 1: 2 or 3 is expected"),
+    ({"interface": "xx"}, OptionError, "interface = 'xx': cs"),
+    ({"stop_time": 0.0}, OptionError, r"stop time = 0.0: a number above 0 \[s\]"),
+    ({"stop_time": math.nan}, OptionError, "stop time = nan: a number above 0"),
+    ({"step": -1.0}, OptionError, "step = -1.0: a number above 0"),
+    ({"step": 1e-9}, OptionError, "more than 10,000,000 output times"),
+    ({"tolerance": math.inf}, OptionError, "tolerance = inf: a number above 0"),
+    ({"tolerance": 0.5}, OptionError, "tolerance = 0.5: at most 0.1"),
+    ({"parameters": {"M_2": 1.0}}, OptionError, "set M_2: there is no such variable; did you mean M_1?"),
+    ({"parameters": {"x_c": 1.0}}, OptionError, "set x_c: it is calculated and cannot be set"),
+    ({"parameters": {"m_c": math.nan}}, OptionError, r"set m_c=nan: a finite number \[kg\]"),
+    ({"parameters": {"m_c": -1.0}}, OptionError, r"set m_c=-1.0: a number above 0 \[kg\] is expected"),
+    ({"parameters": {"c_m1": -1.0}}, OptionError, r"set c_m1=-1.0: a number of 0 or more \[N.s/m\] is expected"),
+    ({"record": ["theta[6]"]}, OptionError, r"record theta\[6\]: there is no such variable; did you mean theta\["),
+    ({"record": ["time"]}, OptionError, "record time: there is no such variable"),
+]
+
+
+@pytest.mark.parametrize(("options", "error", "says"), WRONG)
+def test_mistakes_are_found_before_the_run(options: dict[str, Any], error: type[CableError], says: str) -> None:
+    with pytest.raises(error, match=says):
+        simulate(small_scene("load"), **options)
+
+
+def test_an_fmu_has_its_own_version(tmp_path: Path) -> None:
+    path = build_fmu(small_scene("load"), tmp_path / "x.fmu", fmi=3)
+    with pytest.raises(OptionError, match="is an FMU of version 3; leave the version out"):
+        simulate(path, fmi=2)
+    xr.testing.assert_equal(simulate(path, stop_time=0.2), simulate(small_scene("load"), fmi=3, stop_time=0.2))
+
+
+def test_what_cannot_be_run(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match='no scene "load" ships'):
+        simulate("load")
+    with pytest.raises(FmuError, match="there is no such file"):
+        simulate(tmp_path / "x.fmu")
+    path = build_fmu(small_scene("load"), tmp_path / "x.fmu")
+    before = Path.cwd()
+    with pytest.raises(FmuError, match="the FMU's library cannot be loaded"):
+        simulate(rewrite(path, {}, tmp_path, without="binaries/"))
+    with pytest.raises(FmuError, match=r"resource file .*cable.bin: cannot be opened"):
+        simulate(rewrite(path, {}, tmp_path, without="cable.bin"))
+    with pytest.raises(FmuError, match="does not belong to cable.bin"):
+        simulate(rewrite(path, {b'guid="{': b'guid="{0'}, tmp_path))
+    assert Path.cwd() == before
+
+
+# --- runs that fail ---
+
+
+SPUN = {f"{name}[{i}]": value for i in range(1, 6) for name, value in (("theta", 1.6e6 - 2.75), ("omega", 5.0))}
+"""A cable that whirls about its top and soon has wound up further than sine and cosine reach, 1.6e6 rad."""
+
+
+@pytest.mark.parametrize(("fmi", "interface"), WAYS)
+def test_a_run_that_fails_keeps_what_it_has(fmi: int, interface: str) -> None:
+    loose = SCENES["air"].replace("young_modulus = 8e10", "joint_stiffness = 0").replace("damping = 2.8", "damping = 0")
+    scene = Scene.from_text(loose, name="whirling")
+    with pytest.raises(RunError, match=r"t = 0\.\d+ s.* wound up beyond 1.6e6 rad") as ended:
+        simulate(scene, fmi=fmi, interface=interface, parameters=SPUN)
+    partial, time = ended.value.partial, ended.value.time
+    assert isinstance(partial, xr.Dataset)
+    assert time is not None
+    assert 0.2 < time < 1.0
+    assert partial["time"].values[-1] == time
+    assert partial.attrs["ended_early"] == str(ended.value)
+    whole = simulate(scene, fmi=fmi, interface=interface, parameters=SPUN, stop_time=time)
+    np.testing.assert_array_equal(partial["x_c"], whole["x_c"])
+
+
+def test_the_reason_is_a_sentence() -> None:
+    with pytest.raises(RunError, match=r"doStep ended at t = 0 s: .* the motion is too violent") as ended:
+        simulate(small_scene("load"), parameters={"F_cx": 1e300})
+    assert ended.value.time == 0.0
