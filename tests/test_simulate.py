@@ -39,12 +39,12 @@ def test_four_ways_agree(scene: Scene) -> None:
         np.testing.assert_allclose(other["tension_max"], results[0]["tension_max"], rtol=1e-5, atol=1e-3)
 
 
-@pytest.mark.parametrize("step", [0.5, 0.2, 0.037])
-@pytest.mark.parametrize("fmi", [2, 3])
-def test_the_communication_step_does_not_matter(fmi: int, step: float) -> None:
+@pytest.mark.parametrize("step", [0.5, 0.037])
+@pytest.mark.parametrize(("fmi", "interface"), WAYS)
+def test_the_communication_step_does_not_matter(fmi: int, interface: str, step: float) -> None:
     """Inside a step the FMU follows the force: only the solver's tolerance is left."""
-    fine = simulate(jumping(), fmi=fmi, step=0.01, tolerance=1e-9)
-    coarse = simulate(jumping(), fmi=fmi, step=step, tolerance=1e-9)
+    fine = simulate(jumping(), fmi=fmi, interface=interface, step=0.01, tolerance=1e-9)
+    coarse = simulate(jumping(), fmi=fmi, interface=interface, step=step, tolerance=1e-9)
     assert float(coarse["x_c"][-1]) == pytest.approx(float(fine["x_c"][-1]), abs=1e-7)
     assert float(coarse["y_m1"][-1]) == pytest.approx(float(fine["y_m1"][-1]), abs=1e-7)
 
@@ -187,7 +187,7 @@ def test_what_cannot_be_run(tmp_path: Path) -> None:
         simulate(rewrite(path, {}, tmp_path, without="binaries/"))
     with pytest.raises(FmuError, match=r"resource file .*cable.bin: cannot be opened"):
         simulate(rewrite(path, {}, tmp_path, without="cable.bin"))
-    with pytest.raises(FmuError, match="does not belong to cable.bin"):
+    with pytest.raises(FmuError, match=r"does not belong to cable\.bin"):
         simulate(rewrite(path, {b'guid="{': b'guid="{0'}, tmp_path))
     assert Path.cwd() == before
 

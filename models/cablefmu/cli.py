@@ -6,6 +6,7 @@ Exit status: 0 on success, 2 for a mistake in what the user gave, 1 when a run i
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -163,11 +164,17 @@ def _assignments(texts: list[str]) -> dict[str, float]:
     return given
 
 
-def main() -> None:
-    """Entry point: runs the command and ends the process with its exit status."""
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Entry point: runs the command (of the process by default) and ends with its exit status.
+
+    Raises
+    ------
+    SystemExit
+        With 2 for a mistake in what the user gave, 1 when a run failed; none on success.
+    """
     errors = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
     try:
-        app(exit_on_error=False, print_error=False)
+        app(sys.argv[1:] if arguments is None else arguments, exit_on_error=False, print_error=False)
     except CycloptsError as error:
         errors.print(f"cablefmu: {str(error).strip()}")
         sys.exit(2)

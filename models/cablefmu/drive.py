@@ -7,6 +7,7 @@ CVode integrates).
 from __future__ import annotations
 
 import ctypes
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from contextlib import chdir
@@ -23,6 +24,7 @@ from .feed import Feed
 __all__ = ["Driver", "Setup", "make_driver"]
 
 Setup = Callable[["Driver"], None]
+_SLIVER = 8.0  # units in the last place: rounding puts a jump beside an output time, and CVode takes no such step
 _MOST_STEPS = 1_000_000  # of CVode within one output interval; bounded work instead of a hang
 
 
@@ -271,6 +273,10 @@ class _ModelExchange(_Base):
     def advance(self, time: float, end: float) -> None:
         # CVode steps past `end` and interpolates: beyond the next jump it must not see the force after it.
         jump = self.feed.next_break(time, float("inf"))
+        if end - time <= _SLIVER * math.ulp(end):
+            self._set_time(end)
+            self.set_inputs(self.feed.values_before(end, jump))
+            return
         if jump != self._jump:
             self._jump = jump
             self._add_cvode_counters()

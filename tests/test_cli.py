@@ -1,0 +1,230 @@
+"""The command line: output formats, files, exit status 0, 1 and 2, and no traceback for either."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from cablefmu import __version__
+from cablefmu.cli import main
+from cablefmu.scene import load_scene, shipped_scenes
+from tests.fmu_helpers import SCENES
+from tests.test_bad_scenes import BAD, CSV, GOOD
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Every command runs in a folder of its own, which holds load.toml."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "load.toml").write_text(SCENES["load"])
+    return tmp_path
+
+
+class Command:
+    """`cablefmu ...` in this process: its exit status and what it printed."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
+        self._capsys = capsys
+        self.status, self.out, self.err = 0, "", ""
+
+    def __call__(self, *arguments: str) -> Command:
+        try:
+            main(arguments)
+            self.status = 0
+        except SystemExit as end:
+            self.status = int(end.code or 0)
+        self.out, self.err = self._capsys.readouterr()
+        return self
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Command:
+    return Command(capsys)
+
+
+# --- scenes, build, version ---
+
+
+def test_scenes_are_listed_plainly(command: Command) -> None:
+    listed = command("scenes").out.splitlines()
+    assert listed == [f"{name}  {load_scene(name).description}" for name in shipped_scenes()]
+    assert (command.status, command.err) == (0, "")
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_a_scene_is_printed_as_it_is(name: str, command: Command) -> None:
+    shipped = resources.files("cablefmu") / "scenes" / f"{name}.toml"
+    assert command("scenes", name).out == shipped.read_text(encoding="utf-8")
+
+
+def test_the_version_is_told(command: Command) -> None:
+    assert command("--version").out == f"cablefmu {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "file"),
+    [([], "build/load.fmu"), (["--fmi", "3"], "build/load-fmi3.fmu"), (["-o", "my/x.fmu"], "my/x.fmu")],
+)
+def test_build_prints_where_it_built(options: list[str], file: str, command: Command) -> None:
+    assert command("build", "load.toml", *options).out == f"{file}\n"
+    assert Path(file).is_file()
+
+
+# --- run ---
+
+
+def test_a_run_leaves_fmu_results_and_a_table(command: Command) -> None:
+    assert command("run", "load.toml").status == 0
+    assert sorted(p.name for p in Path("build").iterdir()) == ["load.csv", "load.csv.json", "load.fmu"]
+    assert "largest tension" in command.out
+    assert command.out.endswith("results: build/load.csv\n")
+    rows = np.genfromtxt("build/load.csv", delimiter=",", names=True)
+    assert (rows["time"][0], rows["time"][-1], len(rows)) == (0.0, 2.0, 21)
+
+
+def test_options_reach_the_run(command: Command) -> None:
+    options = ["--fmi", "3", "--interface", "me", "--stop-time", "0.4", "--step", "0.2", "--tolerance", "1e-8"]
+    command("run", "load.toml", *options, "--set", "m_c=70", "u_m1=5", "--record", "theta", "u_m1", "-o", "x.nc")
+    assert (command.status, command.err) == (0, "")
+    with xr.open_dataset("x.nc", engine="scipy", decode_times=False) as result:
+        assert result["time"].values.tolist() == [0.0, 0.2, 0.4]
+        assert result["theta"].shape == (3, 5)
+        assert np.all(result["u_m1"] == 5.0)
+        told = {key: result.attrs[key] for key in ("fmi", "interface", "tolerance", "set")}
+    assert told == {"fmi": 3, "interface": "me", "tolerance": 1e-8, "set": "m_c=70.0 u_m1=5.0"}
+
+
+def test_an_fmu_runs_as_its_scene_does(command: Command) -> None:
+    command("build", "load.toml", "-o", "moved.fmu")
+    Path("load.toml").rename("other.toml")
+    command("run", "moved.fmu", "-o", "a.csv")
+    Path("other.toml").rename("load.toml")
+    command("run", "load.toml", "-o", "b.csv")
+    assert Path("a.csv").read_bytes() == Path("b.csv").read_bytes()
+
+
+def test_an_edited_scene_is_built_anew(command: Command) -> None:
+    command("run", "load.toml", "-o", "a.csv")
+    Path("load.toml").write_text(SCENES["load"].replace("mass = 60\n", "mass = 90\n"))
+    command("run", "load.toml", "-o", "b.csv")
+    assert Path("a.csv").read_bytes() != Path("b.csv").read_bytes()
+
+
+@pytest.mark.parametrize("record", [[], ["--record", "omega"], ["--record", "theta"]])
+def test_a_picture_does_not_change_the_results(record: list[str], command: Command) -> None:
+    command("run", "load.toml", "-o", "a.csv", *record)
+    command("run", "load.toml", "-o", "b.csv", "--plot", "x.png", *record)
+    assert command.out.endswith("results: b.csv, picture: x.png\n")
+    assert Path("x.png").read_bytes().startswith(b"\x89PNG")
+    assert Path("a.csv").read_bytes() == Path("b.csv").read_bytes()
+
+
+def test_a_run_that_fails_ends_with_1_time_and_reason(command: Command) -> None:
+    command("run", "load.toml", "--set", "F_cx=1e300")
+    assert command.status == 1
+    assert "the run ended at t = 0 s; the results up to then are kept." in command.err
+    assert "the motion is too violent" in command.err
+    assert len(Path("build/load.csv").read_text().splitlines()) == 2
+    assert "too violent" in json.loads(Path("build/load.csv.json").read_text())["ended_early"]
+
+
+# --- mistakes ---
+
+WRONG = {
+    "commands and options": [
+        (["frob"], 'Unknown command "frob"'),
+        (["run"], 'parameter SCENE requires an argument'),
+        (["run", "load.toml", "--colour", "red"], "Unknown option: --colour"),
+        (["run", "load.toml", "--fmi", "4"], 'Invalid value "4" for --fmi. Choose from: 2, 3'),
+        (["run", "load.toml", "--interface", "xx"], 'Invalid value "xx" for --interface'),
+    ],
+    "scenes": [
+        (["run", "free-12-watr"], 'no scene "free-12-watr" ships; the nearest is "free-12-water"'),
+        (["scenes", "nothing"], 'no scene "nothing" ships'),
+        (["build", "none.toml"], "none.toml: there is no such file"),
+        (["build", "."], 'no scene "." ships'),
+    ],
+    "FMUs": [
+        (["run", "none.fmu"], "none.fmu: there is no such file"),
+        (["run", "foreign.fmu"], "foreign.fmu: is not an FMU"),
+    ],
+    "numbers": [
+        (["run", "load.toml", "--stop-time", "soon"], 'unable to convert "soon" into float'),
+        (["run", "load.toml", "--stop-time=-1"], "stop time = -1.0: a number above 0 [s] is expected"),
+        (["run", "load.toml", "--step", "0"], "step = 0.0: a number above 0 [s] is expected"),
+        (["run", "load.toml", "--tolerance", "nan"], "tolerance = nan: a number above 0 is expected"),
+        (["run", "load.toml", "--step", "1e-9"], "more than 10,000,000 output times"),
+    ],
+    "assignments": [
+        (["run", "load.toml", "--set", "m_c"], "set m_c: NAME=VALUE with a number in SI units is expected"),
+        (["run", "load.toml", "--set", "m_c=heavy"], "set m_c=heavy: NAME=VALUE"),
+        (["run", "load.toml", "--set", "m_x=1"], "set m_x: there is no such variable; did you mean m_c?"),
+        (["run", "load.toml", "--set", "m_c=1", "m_c=2"], "m_c was set before in the same command"),
+        (["run", "load.toml", "--set", "m_c=-5"], "set m_c=-5.0: a number above 0 [kg] is expected"),
+    ],
+    "lists": [
+        (["run", "load.toml", "--set"], "set: at least one value is expected behind it"),
+        (["run", "load.toml", "--record"], "record: at least one value is expected behind it"),
+        (["run", "load.toml", "--record", "thet"], "record thet: there is no such variable; did you mean theta?"),
+    ],
+    "files": [
+        (["run", "load.toml", "-o", "x.txt"], "output = x.txt: a name that ends with .csv or .nc is expected"),
+        (["run", "load.toml", "-o", "load.toml/x.csv"], "load.toml/x.csv: cannot be written"),
+        (["run", "load.toml", "--plot", "x.doc"], "plot = x.doc: a name that ends with one of"),
+        (["build", "load.toml", "-o", "."], ".: is a folder, a file name is expected"),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("arguments", "says"), [case for cases in WRONG.values() for case in cases])
+def test_a_mistake_ends_with_2_and_a_sentence(arguments: list[str], says: str, command: Command) -> None:
+    Path("foreign.fmu").write_text("not a zip")
+    Path("x.csv").write_text("old")
+    assert command(*arguments).status == 2
+    assert command.err.startswith("cablefmu: ")
+    assert says in command.err
+    assert "Traceback" not in command.err
+    assert Path("x.csv").read_text() == "old"
+
+
+@pytest.mark.parametrize(("good", "bad", "says"), BAD)
+def test_a_bad_scene_ends_with_2_and_its_mistakes(good: str, bad: str, says: tuple[str, ...], command: Command) -> None:
+    for name, content in CSV.items():
+        Path(name).write_bytes(content)
+    Path("x.toml").write_text(GOOD.replace(good, bad), encoding="utf-8")
+    assert command("run", "x.toml").status == 2
+    assert all(part in command.err for part in says)
+    assert "Traceback" not in command.err
+    assert not Path("build").exists()
+
+
+# --- as a process ---
+
+
+def process(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "cablefmu", *arguments], capture_output=True, text=True, timeout=60)
+
+
+def test_the_module_is_the_command() -> None:
+    done = process("run", "load.toml", "--stop-time", "0.2")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.endswith("results: build/load.csv\n")
+    wrong = process("run", "load.toml", "--set", "m_c=-1")
+    assert (wrong.returncode, wrong.stdout) == (2, "")
+    assert wrong.stderr == "cablefmu: set m_c=-1.0: a number above 0 [kg] is expected\n"
+    failed = process("run", "load.toml", "--set", "F_cx=1e300")
+    assert failed.returncode == 1
+    assert "Traceback" not in failed.stderr
+
+
+def test_a_reader_may_hang_up() -> None:
+    done = subprocess.run(f"{sys.executable} -m cablefmu scenes | head -1", shell=True, capture_output=True, text=True)
+    assert done.stdout.count("\n") == 1
+    assert done.stderr == ""
