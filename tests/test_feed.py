@@ -44,7 +44,7 @@ def test_straight_forces_need_one_piece() -> None:
 def test_a_step_may_be_as_short_as_time_resolves() -> None:
     """113 times 0.01 s is one unit in the last place beyond a jump at 1.13 s."""
     feed = Feed({"u_m1": Steps((0.25, 1.13), (900.0, -400.0))})
-    assert 113 * 0.01 == math.nextafter(1.13, 2.0)
+    assert math.nextafter(1.13, 2.0) == 113 * 0.01
     assert feed.polynomial_reach(1.13, 113 * 0.01) == 113 * 0.01
 
 
