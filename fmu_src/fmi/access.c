@@ -94,7 +94,8 @@ static Status check(Instance *instance, const Variable *variable, double value)
     if (!isfinite(value)) return refuse_value(instance, variable, value, "a finite number is expected");
     if (variable->kind == VARIABLE_INPUT) return STATUS_OK;
     if (!(instance->mode & MODE_SETUP))
-        return refuse_value(instance, variable, value, "parameters and start values are fixed once initialization has ended");
+        return refuse_value(instance, variable, value,
+                            "parameters and start values are fixed once initialization has ended");
     if (variable->kind == VARIABLE_STATE) return STATUS_OK;
     const char *least = PARAMETER_INFO[variable->index].least;
     if (strcmp(least, "+0") == 0 && !(value > 0.0))

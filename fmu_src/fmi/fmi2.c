@@ -66,7 +66,8 @@ const char *fmi2GetVersion(void)
     return "2.0";
 }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[])
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
+                               const fmi2String categories[])
 {
     /* There is nothing to switch: only statuses other than OK are logged, and those always are. */
     (void)loggingOn, (void)nCategories, (void)categories;
@@ -282,7 +283,8 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
 {
     (void)noSetFMUStatePriorToCurrentPoint;
     if (!legal(c, MODE_CONTINUOUS, "fmi2CompletedIntegratorStep")) return fmi2Error;
-    if (!enterEventMode || !terminateSimulation) return refuse(c, "fmi2CompletedIntegratorStep: a null pointer was given");
+    if (!enterEventMode || !terminateSimulation)
+        return refuse(c, "fmi2CompletedIntegratorStep: a null pointer was given");
     *enterEventMode = *terminateSimulation = fmi2False;
     return fmi2OK;
 }
@@ -303,7 +305,8 @@ fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx)
 {
-    Instance *instance = legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED, "fmi2GetDerivatives");
+    Instance *instance =
+        legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED, "fmi2GetDerivatives");
     if (!instance) return fmi2Error;
     if (!derivatives) return refuse(c, "fmi2GetDerivatives: a null pointer was given");
     return fmi2_status(instance_get_derivatives(instance, derivatives, nx));
@@ -376,7 +379,8 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
 {
     const Component *component = c;
     if (!component) return fmi2Error;
-    if (s != fmi2LastSuccessfulTime || !value) return refuse(c, "fmi2GetRealStatus: only fmi2LastSuccessfulTime is known");
+    if (s != fmi2LastSuccessfulTime || !value)
+        return refuse(c, "fmi2GetRealStatus: only fmi2LastSuccessfulTime is known");
     *value = component->instance->time;
     return fmi2OK;
 }

@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi3Functions.h"
 #include "fmi3_refuse.h"
+#include "fmi3Functions.h"
 #include "instance.h"
 
 typedef struct {
@@ -75,18 +75,19 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCa
     return c ? fmi3OK : fmi3Error;
 }
 
-fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
-                                          fmi3Boolean visible, fmi3Boolean loggingOn,
-                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage)
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
+                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment instanceEnvironment,
+                                          fmi3LogMessageCallback logMessage)
 {
     (void)instanceName, (void)visible, (void)loggingOn;
     const Component blank = {NULL, logMessage, NULL, instanceEnvironment};
     return instantiate(blank, MODEL_EXCHANGE, instantiationToken, resourcePath);
 }
 
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
-                                         fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
-                                         fmi3Boolean earlyReturnAllowed,
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
+                                         fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                         fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
                                          const fmi3ValueReference requiredIntermediateVariables[],
                                          size_t nRequiredIntermediateVariables,
                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
@@ -109,8 +110,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
 {
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
-    if (logMessage)
-        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "Scheduled Execution is not offered");
+    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", "Scheduled Execution is not offered");
     return NULL;
 }
 
@@ -166,7 +166,8 @@ fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
 {
     Instance *instance = legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetFloat64");
     if (!instance) return fmi3Error;
-    if (nValueReferences && (!valueReferences || !values)) return fmi3_refuse(c, "fmi3GetFloat64: a null pointer was given");
+    if (nValueReferences && (!valueReferences || !values))
+        return fmi3_refuse(c, "fmi3GetFloat64: a null pointer was given");
     if (nValues != nValueReferences) return fmi3_refuse(c, "fmi3GetFloat64: as many values as references are expected");
     return fmi3_status(instance_get(instance, valueReferences, nValueReferences, values));
 }
@@ -176,7 +177,8 @@ fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
 {
     Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING | MODE_INTERMEDIATE, "fmi3SetFloat64");
     if (!instance) return fmi3Error;
-    if (nValueReferences && (!valueReferences || !values)) return fmi3_refuse(c, "fmi3SetFloat64: a null pointer was given");
+    if (nValueReferences && (!valueReferences || !values))
+        return fmi3_refuse(c, "fmi3SetFloat64: a null pointer was given");
     if (nValues != nValueReferences) return fmi3_refuse(c, "fmi3SetFloat64: as many values as references are expected");
     return fmi3_status(instance_set(instance, valueReferences, nValueReferences, values));
 }
@@ -188,18 +190,18 @@ static fmi3Status no_variables(fmi3Instance c, size_t count)
     return count ? fmi3_refuse(c, "the cable has no variables but those of type Float64") : fmi3OK;
 }
 
-#define TYPE_WITHOUT_VARIABLES(Type)                                                                        \
-    fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
-                             fmi3##Type values[], size_t nValues)                                           \
-    {                                                                                                       \
-        (void)references, (void)values, (void)nValues;                                                      \
-        return no_variables(c, count);                                                                      \
-    }                                                                                                       \
-    fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count,           \
-                             const fmi3##Type values[], size_t nValues)                                     \
-    {                                                                                                       \
-        (void)references, (void)values, (void)nValues;                                                      \
-        return no_variables(c, count);                                                                      \
+#define TYPE_WITHOUT_VARIABLES(Type)                                                                                   \
+    fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count, fmi3##Type values[], \
+                             size_t nValues)                                                                           \
+    {                                                                                                                  \
+        (void)references, (void)values, (void)nValues;                                                                 \
+        return no_variables(c, count);                                                                                 \
+    }                                                                                                                  \
+    fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count,                      \
+                             const fmi3##Type values[], size_t nValues)                                                \
+    {                                                                                                                  \
+        (void)references, (void)values, (void)nValues;                                                                 \
+        return no_variables(c, count);                                                                                 \
     }
 
 TYPE_WITHOUT_VARIABLES(Float32)
@@ -296,8 +298,8 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousS
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[], size_t nContinuousStates)
 {
-    Instance *instance =
-        legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED, "fmi3GetContinuousStateDerivatives");
+    Instance *instance = legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED,
+                               "fmi3GetContinuousStateDerivatives");
     if (!instance) return fmi3Error;
     if (!derivatives) return fmi3_refuse(c, "fmi3GetContinuousStateDerivatives: a null pointer was given");
     return fmi3_status(instance_get_derivatives(instance, derivatives, nContinuousStates));

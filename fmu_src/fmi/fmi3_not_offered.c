@@ -11,19 +11,18 @@ static const char NO_CONFIGURATION[] = "there are no structural parameters to co
 static const char NO_CLOCKS[] = "the cable has no clocks";
 static const char NO_OUTPUT_DERIVATIVES[] = "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0)";
 
-fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference valueReference, size_t
-                                               *nDependencies)
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference valueReference, size_t *nDependencies)
 {
     (void)valueReference, (void)nDependencies;
     return fmi3_refuse(c, NO_DEPENDENCIES);
 }
 
-fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference dependent, size_t
-                                       elementIndicesOfDependent[], fmi3ValueReference independents[], size_t
-                                       elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[],
-                                       size_t nDependencies)
+fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference dependent, size_t elementIndicesOfDependent[],
+                                       fmi3ValueReference independents[], size_t elementIndicesOfIndependents[],
+                                       fmi3DependencyKind dependencyKinds[], size_t nDependencies)
 {
-    (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents, (void)dependencyKinds, (void)nDependencies;
+    (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents,
+        (void)dependencyKinds, (void)nDependencies;
     return fmi3_refuse(c, NO_DEPENDENCIES);
 }
 
@@ -50,33 +49,34 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState FMUState, siz
     return fmi3_refuse(c, NO_STATE);
 }
 
-fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t
-                                 size)
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size)
 {
     (void)FMUState, (void)serializedState, (void)size;
     return fmi3_refuse(c, NO_STATE);
 }
 
-fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedState[], size_t size, fmi3FMUState
-                                   *FMUState)
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedState[], size_t size,
+                                   fmi3FMUState *FMUState)
 {
     (void)serializedState, (void)size, (void)FMUState;
     return fmi3_refuse(c, NO_STATE);
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
-                                        const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64
-                                        seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+                                        const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+                                        size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed, (void)sensitivity, (void)nSensitivity;
+    (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed, (void)sensitivity,
+        (void)nSensitivity;
     return fmi3_refuse(c, NO_DERIVATIVES);
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
-                                    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64
-                                    seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+                                    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+                                    size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed, (void)sensitivity, (void)nSensitivity;
+    (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed, (void)sensitivity,
+        (void)nSensitivity;
     return fmi3_refuse(c, NO_DERIVATIVES);
 }
 
@@ -90,75 +90,70 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance c)
     return fmi3_refuse(c, NO_CONFIGURATION);
 }
 
-fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                                  nValueReferences, fmi3Float64 intervals[], fmi3IntervalQualifier
-                                  qualifiers[])
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                                  fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 {
     (void)valueReferences, (void)nValueReferences, (void)intervals, (void)qualifiers;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3GetIntervalFraction(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                                   nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
-                                   fmi3IntervalQualifier qualifiers[])
+fmi3Status fmi3GetIntervalFraction(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                                   fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
 {
     (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions, (void)qualifiers;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3GetShiftDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                               nValueReferences, fmi3Float64 shifts[])
+fmi3Status fmi3GetShiftDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                               fmi3Float64 shifts[])
 {
     (void)valueReferences, (void)nValueReferences, (void)shifts;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3GetShiftFraction(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                                nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+fmi3Status fmi3GetShiftFraction(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                                fmi3UInt64 counters[], fmi3UInt64 resolutions[])
 {
     (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3SetIntervalDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                                  nValueReferences, const fmi3Float64 intervals[])
+fmi3Status fmi3SetIntervalDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                                  const fmi3Float64 intervals[])
 {
     (void)valueReferences, (void)nValueReferences, (void)intervals;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3SetIntervalFraction(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                                   nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64
-                                   resolutions[])
+fmi3Status fmi3SetIntervalFraction(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                                   const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 {
     (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3SetShiftDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                               nValueReferences, const fmi3Float64 shifts[])
+fmi3Status fmi3SetShiftDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                               const fmi3Float64 shifts[])
 {
     (void)valueReferences, (void)nValueReferences, (void)shifts;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3SetShiftFraction(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                                nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+fmi3Status fmi3SetShiftFraction(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                                const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 {
     (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clockReference, fmi3Float64
-                                      activationTime)
+fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clockReference, fmi3Float64 activationTime)
 {
     (void)clockReference, (void)activationTime;
     return fmi3_refuse(c, NO_CLOCKS);
 }
 
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t
-                                    nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t
-                                    nValues)
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                                    const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
 {
     (void)valueReferences, (void)nValueReferences, (void)orders, (void)values, (void)nValues;
     return fmi3_refuse(c, NO_OUTPUT_DERIVATIVES);

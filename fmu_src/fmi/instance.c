@@ -66,8 +66,7 @@ static void lay_out(Instance *instance)
     model->drag = (Drag)resource->drag;
     model->present = resource->present;
     memcpy(model->rest, resource->rest, sizeof model->rest);
-    for (size_t column = 0; column < LINK_COLUMNS; column++)
-        model->link[column] = resource->link + column * (size_t)n;
+    for (size_t column = 0; column < LINK_COLUMNS; column++) model->link[column] = resource->link + column * (size_t)n;
 
     double *next = instance->block;
     const size_t states = (size_t)model_states(model);

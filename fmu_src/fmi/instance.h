@@ -23,12 +23,12 @@ typedef enum { MODEL_EXCHANGE, CO_SIMULATION } Interface;
 typedef enum {
     MODE_INSTANTIATED = 1,
     MODE_INITIALIZATION = 2,
-    MODE_EVENT = 4,           /* Model Exchange */
-    MODE_CONTINUOUS = 8,      /* Model Exchange */
-    MODE_STEP = 16,           /* Co-Simulation, between communication steps */
-    MODE_INTERMEDIATE = 32,   /* Co-Simulation, inside a step, during a call-back to the host */
+    MODE_EVENT = 4,         /* Model Exchange */
+    MODE_CONTINUOUS = 8,    /* Model Exchange */
+    MODE_STEP = 16,         /* Co-Simulation, between communication steps */
+    MODE_INTERMEDIATE = 32, /* Co-Simulation, inside a step, during a call-back to the host */
     MODE_TERMINATED = 64,
-    MODE_FAILED = 128,        /* after an error that ended a step: read, reset or free */
+    MODE_FAILED = 128, /* after an error that ended a step: read, reset or free */
     MODE_RUNNING = MODE_EVENT | MODE_CONTINUOUS | MODE_STEP,
     MODE_SETUP = MODE_INSTANTIATED | MODE_INITIALIZATION,
     MODE_ANY = 255

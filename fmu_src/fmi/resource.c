@@ -140,7 +140,8 @@ static bool values_are_sane(const Resource *resource)
 static bool variables_are_sane(const Resource *resource)
 {
     const uint32_t states = 2u * (resource->n + 1u);
-    const uint32_t limit[VARIABLE_KINDS] = {1u, PARAMETER_COUNT, INPUT_COUNT, states, states, OUTPUT_COUNT, SOLVER_COUNT};
+    const uint32_t limit[VARIABLE_KINDS] = {1u,     PARAMETER_COUNT, INPUT_COUNT, states,
+                                            states, OUTPUT_COUNT,    SOLVER_COUNT};
     for (uint32_t k = 0; k < resource->variables; k++) {
         const Variable variable = resource->variable[k];
         if (variable.kind >= VARIABLE_KINDS || variable.index >= limit[variable.kind]) return false;

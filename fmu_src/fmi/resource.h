@@ -17,9 +17,9 @@
 #include "../kernel/model.h"
 #include "text.h"
 
-#define RESOURCE_NAME "cable.bin"
+#define RESOURCE_NAME    "cable.bin"
 #define RESOURCE_VERSION 1u
-#define MOST_LINKS 10000u
+#define MOST_LINKS       10000u
 
 typedef enum {
     VARIABLE_TIME,

@@ -31,9 +31,11 @@ static const char *reason(SolverStatus status)
 {
     switch (status) {
     case SOLVER_TOO_MANY_STEPS:
-        return "the step was given up after 1,000,000 attempts; the cable is too stiff for the explicit solver at this tolerance";
+        return "the step was given up after 1,000,000 attempts; the cable is too stiff for the explicit solver at this "
+               "tolerance";
     case SOLVER_STEP_TOO_SMALL:
-        return "the error asks for steps below the resolution of time; the motion is too violent or the tolerance too tight";
+        return "the error asks for steps below the resolution of time; the motion is too violent or the tolerance too "
+               "tight";
     case SOLVER_ANGLE_TOO_LARGE: return "a link has wound up beyond 1.6e6 rad";
     case SOLVER_INPUT_FAILED: return "an input is not a finite number, or the host gave none";
     default: return "";

@@ -14,8 +14,8 @@ typedef struct {
 } Text;
 
 void text_start(Text *text);
-void text_add(Text *text, const char *string);      /* NULL counts as "" */
+void text_add(Text *text, const char *string); /* NULL counts as "" */
 void text_integer(Text *text, uint64_t value);
-void text_number(Text *text, double value);         /* seven significant digits; nan, inf, -inf by name */
+void text_number(Text *text, double value); /* seven significant digits; nan, inf, -inf by name */
 
 #endif

@@ -1,58 +1,295 @@
 #include "dynamics.h"
+#include "ends.h"
 
 /*
- * Forward dynamics of the chain by elimination, O(n) [docs/model.md, section "In O(n)"].
+ * Forward dynamics of the chain in O(n), by elimination from both ends at once [docs/model.md, "In O(n)"].
  *
- * The cable below node P_{i-1} answers an acceleration a of that node with the force R = A a + b, A a
- * symmetric 2x2 matrix (articulated inertia) and b a bias force. At the tip A = m_c 1 and b = -(force on
- * the terminal). Going up over link i, with J0 = I_R + m l^2/4 and all of A, b still those below it:
+ * Node P_0 is the top, link i (from 0) hangs between P_i and P_{i+1}, P_n is the terminal; R_i is the force through
+ * P_i on what hangs below it. The centripetal part C of the accelerations is known, so it goes to the loads: with
+ * a_i = b_i - C_i for the nodes, axes n and e of a link, h = l/2,
+ *     b_{i+1} = b_i + l n th''       H = W + m (C_i + h w^2 e)
+ *     m (b_i + h n th'') = R_i - R_{i+1} + H          I th'' = torque - h n.(R_i + R_{i+1})
  *
- *     J = J0 + l^2 n.A n                    g = l A n + (m l/2) n          r = b - l w^2 A e
- *     s = tau + (l/2) n.W - l n.r           th'' = (s - g.a) / J
- *     A <- A + m 1 - g g^T / J              b <- r - (m l/2) w^2 e - W + g s / J
+ * From the tip, P_i answers with R_i = A b_i + f. One link up, with J = J0 + l^2 n.A n (all of it below the link),
+ * u = (l A n + m h n) / J, s = torque + h n.H and M = 1 - u (l n)^T:
+ *     th'' = (s - l n.f)/J - u.b_i       f <- M f + u s - H       b_{i+1} = M^T b_i + l n (s - l n.f)/J
+ * From the top, P_i answers with b_i = c - A^-1 R_i. One link down, with K^-1 = 1 + m A^-1 + (m h^2/I) n n^T,
+ * g = m h/I, B = 1 - g h n n^T, q = m c + g n torque - H and M = B K:
+ *     R_i = M^T R_{i+1} + K q            c <- (B K q + H + g n torque)/m
+ * So both ends have the same three recursions, run side by side in two lanes:
+ *     inertia inwards [ends.h]       bias inwards, z <- M z + constant       answer outwards, y <- M^T y + constant
+ * Everything between them is one link at a time, and the compiler takes several links at once.
  *
- * At the top the floater's equation gives a_0, and the same expressions give every th'' going down:
- *     a <- a + l (n th'' - w^2 e).
+ * At a heavy end C is counted from that end, so that it is zero there and nothing large cancels.
  */
-void chain_accelerations(const Model *model, const double *x, const double *u, Work *work, double *acceleration)
+
+/*
+ * Links 0 ... middle - 1 are eliminated from the top, the others from the tip. While the lane of the top is at link i,
+ * that of the tip is at link n - 1 - i; if n is odd, the tip takes one link before that, while the top waits.
+ */
+static inline int middle_of(const Model *model)
 {
-    const int n = model->n;
+    return model->n / 2;
+}
+
+static inline bool is_odd(const Model *model)
+{
+    return model->n % 2 == 1;
+}
+
+static inline int first_tip(const Model *model)
+{
+    return model->n - 1 - is_odd(model);
+}
+
+static inline Lanes at(const double *array, int top, int tip)
+{
+    return (Lanes){array[top], array[tip]};
+}
+
+static inline void put(double *array, int top, int tip, Lanes value)
+{
+    array[top] = value[FROM_TOP];
+    array[tip] = value[FROM_TIP];
+}
+
+/* H of links from ... to - 1; C is counted from where it has the value `origin`. */
+static void drive_links(const Model *model, const double *x, Work *work, int from, int to, double origin_x,
+                        double origin_y)
+{
     const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
-    const double *rate = x + n + 2;
-
-    double axx = model->end_mass, axy = 0.0, ayy = model->end_mass;
-    double bx = -work->end_force[0], by = -work->end_force[1];
-    for (int i = n - 1; i >= 0; i--) {
-        const double l = length[i], m = mass[i], half = 0.5 * l;
-        const double ex = work->sine[i], ey = work->cosine[i], nx = ey, ny = -ex;
-        const double wx = work->load_x[i], wy = work->load_y[i];
-        const double squared = rate[i] * rate[i];
-        const double an_x = axx * nx + axy * ny, an_y = axy * nx + ayy * ny;
-        const double ae_x = axx * ex + axy * ey, ae_y = axy * ex + ayy * ey;
-        const double inverse = 1.0 / (model->rotary[i] + l * l * (nx * an_x + ny * an_y));
-        const double gx = l * an_x + m * half * nx, gy = l * an_y + m * half * ny;
-        const double rx = bx - l * squared * ae_x, ry = by - l * squared * ae_y;
-        const double s = work->torque[i] + half * (nx * wx + ny * wy) - l * (nx * rx + ny * ry);
-        axx += m - gx * gx * inverse;
-        axy -= gx * gy * inverse;
-        ayy += m - gy * gy * inverse;
-        bx = rx - m * half * squared * ex - wx + gx * s * inverse;
-        by = ry - m * half * squared * ey - wy + gy * s * inverse;
-        work->gain_x[i] = gx;
-        work->gain_y[i] = gy;
-        work->moment[i] = s;
-        work->inverse[i] = inverse;
+    const double *rate = x + model->n + 2, *sine = work->sine, *cosine = work->cosine;
+    const double *inward_x = work->inward_x, *inward_y = work->inward_y;
+    const double *load_x = work->load_x, *load_y = work->load_y;
+    double *drive_x = work->drive_x, *drive_y = work->drive_y;
+    LINKS_ARE_INDEPENDENT
+    for (int i = from; i < to; i++) {
+        const double inward = 0.5 * length[i] * (rate[i] * rate[i]);
+        drive_x[i] = load_x[i] + mass[i] * ((inward_x[i] - origin_x) + inward * sine[i]);
+        drive_y[i] = load_y[i] + mass[i] * ((inward_y[i] - origin_y) + inward * cosine[i]);
     }
+}
 
-    double a[2];
-    top_acceleration(model, x, u, (const double[3]){axx, axy, ayy}, (const double[2]){bx, by}, a);
-    acceleration[0] = a[1];
-    for (int i = 0; i < n; i++) {
-        const double ex = work->sine[i], ey = work->cosine[i];
-        const double turn = (work->moment[i] - work->gain_x[i] * a[0] - work->gain_y[i] * a[1]) * work->inverse[i];
-        const double inward = rate[i] * rate[i];
-        acceleration[1 + i] = turn;
-        a[0] += length[i] * (ey * turn - inward * ex);
-        a[1] += length[i] * (-ex * turn - inward * ey);
+static inline Inertia inertia_past(const Model *model, Work *work, Inertia a, int top, int tip)
+{
+    put(work->nn, top, tip, a.nn);
+    put(work->en, top, tip, a.en);
+    put(work->ee, top, tip, a.ee);
+    put(work->unit, top, tip, a.unit);
+    put(work->det, top, tip, a.det);
+    const LinkInertia link = {at(model->link[LINK_MASS], top, tip), at(model->reach, top, tip),
+                              at(model->swing, top, tip), at(model->skew, top, tip)};
+    const Lanes cosine = at(work->turn_cosine, top + 1, tip);
+    const Lanes sine = {work->turn_sine[top + 1], -work->turn_sine[tip]};
+    return turned(past_link(a, link), cosine, sine);
+}
+
+static Inertia with_top_of(Inertia a, Inertia before)
+{
+    Lanes *const lane[] = {&a.nn, &a.en, &a.ee, &a.unit, &a.det};
+    const Lanes old[] = {before.nn, before.en, before.ee, before.unit, before.det};
+    for (int k = 0; k < 5; k++) (*lane[k])[FROM_TOP] = old[k][FROM_TOP];
+    return a;
+}
+
+/* The inertia at every link's outer end, in the link's axes, from that of the ports; and at the middle. World's axes. */
+static Inertia inertia_inwards(const Model *model, Work *work, Inertia port)
+{
+    const int n = model->n, middle = middle_of(model), tip = first_tip(model);
+    Inertia a = turned(port, at(work->cosine, 0, n - 1), at(work->sine, 0, n - 1));
+    if (is_odd(model)) a = with_top_of(inertia_past(model, work, a, 0, n - 1), a);
+    for (int i = 0; i < middle; i++) {
+        a = inertia_past(model, work, a, i, tip - i);
+        if (i % 8 == 7) a = rescaled(a);
     }
+    const Lanes cosine = {work->cosine[middle], middle ? work->cosine[middle - 1] : 1.0};
+    const Lanes sine = {-work->sine[middle], middle ? -work->sine[middle - 1] : 0.0};
+    return rescaled(turned(a, cosine, sine));
+}
+
+/* M and the bias' constant of the links above the middle, and K in the link's axes. */
+static void gains_from_top(const Model *model, Work *work, int middle)
+{
+    const double *mass = model->link[LINK_MASS], *swing = model->swing, *lever = model->lever;
+    const double *rest = model->rest_share, *sine = work->sine, *cosine = work->cosine;
+    const double *nn = work->nn, *en = work->en, *ee = work->ee;
+    const double *unit = work->unit, *det = work->det, *torque = work->torque;
+    const double *drive_x = work->drive_x, *drive_y = work->drive_y;
+    double *k_ee = work->k_ee, *k_en = work->k_en, *k_nn = work->k_nn;
+    double *m_xx = work->m_xx, *m_xy = work->m_xy, *m_yx = work->m_yx, *m_yy = work->m_yy;
+    double *constant_x = work->constant_x, *constant_y = work->constant_y;
+    LINKS_ARE_INDEPENDENT
+    for (int i = 0; i < middle; i++) {
+        const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, m = mass[i], per_mass = 1.0 / m;
+        const double across = det[i] + m * nn[i];
+        const double scale = 1.0 / (across + swing[i] * (ee[i] + m * unit[i])); /* 1 / det' of past_link() */
+        const double kee = (det[i] + swing[i] * ee[i]) * scale, ken = swing[i] * en[i] * scale;
+        const double knn = swing[i] * per_mass * across * scale;
+        const double mne = rest[i] * ken, mnn = rest[i] * knn; /* B halves, or the like, what turns the link */
+        const double p_x = kee * ex + mne * nx, p_y = kee * ey + mne * ny; /* M e */
+        const double q_x = ken * ex + mnn * nx, q_y = ken * ey + mnn * ny; /* M n */
+        const double mxx = p_x * ex + q_x * nx, mxy = p_x * ey + q_x * ny;
+        const double myx = p_y * ex + q_y * nx, myy = p_y * ey + q_y * ny;
+        const double push = lever[i] * torque[i];
+        const double minus_x = push * nx - drive_x[i], minus_y = push * ny - drive_y[i]; /* q - m c */
+        constant_x[i] = per_mass * ((mxx * minus_x + mxy * minus_y) + (push * nx + drive_x[i]));
+        constant_y[i] = per_mass * ((myx * minus_x + myy * minus_y) + (push * ny + drive_y[i]));
+        m_xx[i] = mxx, m_xy[i] = mxy, m_yx[i] = myx, m_yy[i] = myy;
+        k_ee[i] = kee, k_en[i] = ken, k_nn[i] = knn;
+    }
+}
+
+/* M and the bias' constant of the links below the middle, u and 1 / J. */
+static void gains_from_tip(const Model *model, Work *work, int middle)
+{
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
+    const double *reach = model->reach, *per_rotary = model->per_rotary;
+    const double *sine = work->sine, *cosine = work->cosine, *torque = work->torque;
+    const double *nn = work->nn, *en = work->en, *unit = work->unit;
+    const double *drive_x = work->drive_x, *drive_y = work->drive_y;
+    double *u_x = work->u_x, *u_y = work->u_y, *per_pivot = work->per_pivot;
+    double *m_xx = work->m_xx, *m_xy = work->m_xy, *m_yx = work->m_yx, *m_yy = work->m_yy;
+    double *constant_x = work->constant_x, *constant_y = work->constant_y, *turning = work->turning;
+    LINKS_ARE_INDEPENDENT
+    for (int i = middle; i < model->n; i++) {
+        const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, l = length[i];
+        const double scale = per_rotary[i] / (unit[i] + reach[i] * nn[i]); /* 1 / (J unit) */
+        const double along = l * en[i] * scale, across = l * (nn[i] + 0.5 * mass[i] * unit[i]) * scale;
+        const double ux = across * nx + along * ex, uy = across * ny + along * ey;
+        const double s = torque[i] + 0.5 * l * (nx * drive_x[i] + ny * drive_y[i]);
+        m_xx[i] = 1.0 - ux * (l * nx), m_xy[i] = -ux * (l * ny);
+        m_yx[i] = -uy * (l * nx), m_yy[i] = 1.0 - uy * (l * ny);
+        constant_x[i] = ux * s - drive_x[i];
+        constant_y[i] = uy * s - drive_y[i];
+        u_x[i] = ux, u_y[i] = uy;
+        per_pivot[i] = unit[i] * scale;
+        turning[i] = s;
+    }
+}
+
+static inline Planar bias_past(Work *work, Planar z, int top, int tip)
+{
+    put(work->bias_x, top, tip, z.x);
+    put(work->bias_y, top, tip, z.y);
+    return (Planar){at(work->m_xx, top, tip) * z.x + (at(work->m_xy, top, tip) * z.y + at(work->constant_x, top, tip)),
+                    at(work->m_yx, top, tip) * z.x + (at(work->m_yy, top, tip) * z.y + at(work->constant_y, top, tip))};
+}
+
+/* z <- M z + constant; z at every link's outer end is kept. */
+static Planar bias_inwards(const Model *model, Work *work, Planar z)
+{
+    const int tip = first_tip(model);
+    if (is_odd(model)) {
+        const Planar next = bias_past(work, z, 0, model->n - 1);
+        z.x[FROM_TIP] = next.x[FROM_TIP], z.y[FROM_TIP] = next.y[FROM_TIP];
+    }
+    for (int i = 0; i < middle_of(model); i++) z = bias_past(work, z, i, tip - i);
+    return z;
+}
+
+/* Constants of the answers: K q above the middle; below it (s - l n.f)/J, and that times l n. */
+static void answer_constants(const Model *model, Work *work, int middle)
+{
+    const double *mass = model->link[LINK_MASS], *length = model->link[LINK_LENGTH];
+    const double *sine = work->sine, *cosine = work->cosine, *lever = model->lever;
+    const double *bias_x = work->bias_x, *bias_y = work->bias_y, *torque = work->torque;
+    const double *k_ee = work->k_ee, *k_en = work->k_en, *k_nn = work->k_nn;
+    const double *drive_x = work->drive_x, *drive_y = work->drive_y, *per_pivot = work->per_pivot;
+    double *constant_x = work->constant_x, *constant_y = work->constant_y, *turning = work->turning;
+    LINKS_ARE_INDEPENDENT
+    for (int i = 0; i < middle; i++) {
+        const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, push = lever[i] * torque[i];
+        const double q_x = mass[i] * bias_x[i] + (push * nx - drive_x[i]);
+        const double q_y = mass[i] * bias_y[i] + (push * ny - drive_y[i]);
+        const double q_e = q_x * ex + q_y * ey, q_n = q_x * nx + q_y * ny;
+        const double r_e = k_ee[i] * q_e + k_en[i] * q_n, r_n = k_en[i] * q_e + k_nn[i] * q_n;
+        constant_x[i] = r_e * ex + r_n * nx;
+        constant_y[i] = r_e * ey + r_n * ny;
+    }
+    LINKS_ARE_INDEPENDENT
+    for (int i = middle; i < model->n; i++) {
+        const double lx = length[i] * cosine[i], ly = -length[i] * sine[i];
+        const double free = (turning[i] - (lx * bias_x[i] + ly * bias_y[i])) * per_pivot[i];
+        turning[i] = free;
+        constant_x[i] = lx * free;
+        constant_y[i] = ly * free;
+    }
+}
+
+/* y <- M^T y + constant from the middle: R above, b below. answer[i + 1] is at link i's inner end, answer[0] is R_0. */
+static void answers_outwards(const Model *model, Work *work, Planar y)
+{
+    const int first = first_tip(model);
+    for (int i = middle_of(model) - 1; i >= 0; i--) {
+        const int tip = first - i;
+        put(work->answer_x, i + 1, tip + 1, y.x);
+        put(work->answer_y, i + 1, tip + 1, y.y);
+        y = (Planar){at(work->m_xx, i, tip) * y.x + (at(work->m_yx, i, tip) * y.y + at(work->constant_x, i, tip)),
+                     at(work->m_xy, i, tip) * y.x + (at(work->m_yy, i, tip) * y.y + at(work->constant_y, i, tip))};
+    }
+    const int last = is_odd(model) ? model->n : 0; /* the tip's last link, if it is one ahead */
+    put(work->answer_x, 0, last, (Lanes){y.x[FROM_TOP], last ? y.x[FROM_TIP] : y.x[FROM_TOP]});
+    put(work->answer_y, 0, last, (Lanes){y.y[FROM_TOP], last ? y.y[FROM_TIP] : y.y[FROM_TOP]});
+}
+
+static void turn_links(const Model *model, const Work *work, int middle, double *acceleration)
+{
+    const double *half_per_inertia = model->half_per_inertia, *per_inertia = model->per_inertia;
+    const double *sine = work->sine, *cosine = work->cosine, *torque = work->torque;
+    const double *answer_x = work->answer_x, *answer_y = work->answer_y;
+    const double *u_x = work->u_x, *u_y = work->u_y, *turning = work->turning;
+    LINKS_ARE_INDEPENDENT
+    for (int i = 0; i < middle; i++) {
+        const double pull = cosine[i] * (answer_x[i] + answer_x[i + 1]) - sine[i] * (answer_y[i] + answer_y[i + 1]);
+        acceleration[i] = per_inertia[i] * torque[i] - half_per_inertia[i] * pull;
+    }
+    LINKS_ARE_INDEPENDENT
+    for (int i = middle; i < model->n; i++)
+        acceleration[i] = turning[i] - (u_x[i] * answer_x[i + 1] + u_y[i] * answer_y[i + 1]);
+}
+
+/*
+ * At the middle b + S = c - A_top^-1 R and R = A_tip b + f, S being the sum of C from both sides. With the compliance
+ * adj(N) / det of the top and the inertia N / unit of the tip:
+ *     (unit det + N_tip adj(N_top)) R = det (N_tip (c - S) + unit f)
+ * Returns R in the top's lane and b in the tip's.
+ */
+static Planar meet(Inertia a, Planar bias, double sum_x, double sum_y)
+{
+    const double det = a.det[FROM_TOP], unit = a.unit[FROM_TIP];
+    const double c_xx = a.ee[FROM_TOP], c_xy = -a.en[FROM_TOP], c_yy = a.nn[FROM_TOP];
+    const double n_xx = a.nn[FROM_TIP], n_xy = a.en[FROM_TIP], n_yy = a.ee[FROM_TIP];
+    const double free_x = bias.x[FROM_TOP] - sum_x, free_y = bias.y[FROM_TOP] - sum_y;
+    const double right_x = det * ((n_xx * free_x + n_xy * free_y) + unit * bias.x[FROM_TIP]);
+    const double right_y = det * ((n_xy * free_x + n_yy * free_y) + unit * bias.y[FROM_TIP]);
+    const double both = unit * det;
+    const double m_xx = both + (n_xx * c_xx + n_xy * c_xy), m_xy = n_xx * c_xy + n_xy * c_yy;
+    const double m_yx = n_xy * c_xx + n_yy * c_xy, m_yy = both + (n_xy * c_xy + n_yy * c_yy);
+    const double scale = 1.0 / (m_xx * m_yy - m_xy * m_yx);
+    const double force_x = (m_yy * right_x - m_xy * right_y) * scale,
+                 force_y = (m_xx * right_y - m_yx * right_x) * scale;
+    return (Planar){{force_x, free_x - (c_xx * force_x + c_xy * force_y) / det},
+                    {force_y, free_y - (c_xy * force_x + c_yy * force_y) / det}};
+}
+
+void VARIANT(chain_accelerations)(const Model *model, const double *x, const double *u, Work *work,
+                                  double *acceleration)
+{
+    const int n = model->n, middle = middle_of(model);
+    const double sum_x = work->inward_x[n], sum_y = work->inward_y[n];
+    drive_links(model, x, work, 0, middle, 0.0, 0.0);
+    drive_links(model, x, work, middle, n, sum_x, sum_y);
+
+    Port port[ENDS];
+    top_port(model, x, u, &port[FROM_TOP]);
+    terminal_port(model, work, &port[FROM_TIP]);
+    const Inertia inertia = inertia_inwards(model, work, inertia_of(port));
+    gains_from_top(model, work, middle);
+    gains_from_tip(model, work, middle);
+    const Planar bias = bias_inwards(model, work, bias_of(port));
+    answer_constants(model, work, middle);
+    answers_outwards(model, work, meet(inertia, bias, sum_x, sum_y));
+
+    acceleration[0] = top_acceleration(model, x, u, work->answer_x[0], work->answer_y[0]);
+    turn_links(model, work, middle, acceleration + 1);
 }

@@ -1,23 +1,19 @@
 #include "dynamics.h"
 
-#include <string.h>
+#include "sincos.h"
 
 void cable_derivatives(const Model *model, const double *x, const double *u, Work *work, double *derivative)
 {
-    const int half = model->n + 1;
-    memcpy(derivative, x + half, (size_t)half * sizeof *x); /* q' = v */
-
-    orientation(model, x, work);
-    joint_torques(model, x, work);
-    link_loads(model, x, work);
-    terminal_force(model, x, u, work);
-    chain_accelerations(model, x, u, work, derivative + half);
+    if (model->has_avx2)
+        cable_derivatives_avx2(model, x, u, work, derivative);
+    else
+        cable_derivatives_portable(model, x, u, work, derivative);
 }
 
 void cable_outputs(const Model *model, const double *x, const double *derivative, Work *work, double *output,
                    bool has_derivatives)
 {
-    if (!has_derivatives) orientation(model, x, work);
+    if (!has_derivatives) orientation_portable(model, x, work);
     terminal_motion(model, x, work, work->end_position, work->end_velocity);
     output[Y_y_m1] = x[0];
     output[Y_v_m1] = x[model->n + 1];
@@ -27,6 +23,12 @@ void cable_outputs(const Model *model, const double *x, const double *derivative
     output[Y_vy_c] = work->end_velocity[1];
     output[Y_energy] = cable_energy(model, x, work);
     if (has_derivatives)
-        cable_tensions(model, x, derivative, work, &output[Y_tension_top], &output[Y_tension_end],
-                       &output[Y_tension_max]);
+        cable_tensions(model, derivative, work, &output[Y_tension_top], &output[Y_tension_end], &output[Y_tension_max]);
+}
+
+int angle_out_of_range(const Model *model, const double *x)
+{
+    for (int i = 1; i <= model->n; i++)
+        if (!(x[i] <= SINCOS_RANGE && x[i] >= -SINCOS_RANGE)) return i;
+    return 0;
 }

@@ -8,6 +8,7 @@
 #define CABLE_DYNAMICS_H
 
 #include "model.h"
+#include "variant.h"
 
 /*
  * The right-hand side: derivative[2 (n + 1)] of x' = f(x, u). Pure: depends on its arguments alone,
@@ -22,35 +23,48 @@ void cable_derivatives(const Model *model, const double *x, const double *u, Wor
 void cable_outputs(const Model *model, const double *x, const double *derivative, Work *work, double *output,
                    bool has_derivatives);
 
-/* --- one concept a file --- */
+/* --- one concept a file; those under VARIANT are compiled once more in avx2.c --- */
 
-/* orientation.c: sine and cosine of every link; the first link (1 ...) whose angle is beyond SINCOS_RANGE, or 0. */
-void orientation(const Model *model, const double *x, Work *work);
-int angle_out_of_range(const Model *model, const double *x);
+/* orientation.c: sine and cosine of every link and of the turn from the one above. */
+int angle_out_of_range(const Model *model, const double *x); /* the first link (1 ...) beyond SINCOS_RANGE, or 0 */
 
 /* joints.c: torque[i] = T_{i+1} - T_i with T_i = k_i (th_i - th_{i-1}) + c_i (w_i - w_{i-1}) [5.2]. */
-void joint_torques(const Model *model, const double *x, Work *work);
-double joint_energy(const Model *model, const double *x);
-
-/* water.c: load on every link's centre: submerged weight and normal drag [5.7, 4.3]. */
-void link_loads(const Model *model, const double *x, Work *work);
 
 /* terminal.c: force on P_n besides the cable's pull; weight, inputs, springs with preload. */
 void terminal_motion(const Model *model, const double *x, const Work *work, double position[2], double velocity[2]);
 void terminal_force(const Model *model, const double *x, const double *u, Work *work);
 double terminal_energy(const Model *model, const double position[2], const double velocity[2]);
 
-/* floater.c: acceleration of the top point P_0 from the cable's inertia {A_xx, A_xy, A_yy} and bias there. */
-void top_acceleration(const Model *model, const double *x, const double *u, const double inertia[3],
-                      const double bias[2], double acceleration[2]);
-double floater_energy(const Model *model, const double *x);
+/* What the cable is fastened to at P_0 or P_n: its inertia N / unit with det = det(N) / unit [ends.h], and its bias,
+ * at the top the acceleration that it has when nothing pulls [m/s^2], at the terminal the force -F [N]. */
+typedef struct {
+    double xx, xy, yy, unit, det;
+    double bias_x, bias_y;
+} Port;
 
-/* chain.c: elimination from the tip to the top and back substitution. */
-void chain_accelerations(const Model *model, const double *x, const double *u, Work *work, double *acceleration);
+/* floater.c, terminal.c */
+void top_port(const Model *model, const double *x, const double *u, Port *port);
+void terminal_port(const Model *model, const Work *work, Port *port);
+double top_acceleration(const Model *model, const double *x, const double *u, double pull_x, double pull_y);
+double floater_energy(const Model *model, const double *x);
 
 /* energy.c, tension.c */
 double cable_energy(const Model *model, const double *x, const Work *work);
-void cable_tensions(const Model *model, const double *x, const double *derivative, const Work *work, double *top,
-                    double *end, double *largest);
+void cable_tensions(const Model *model, const double *derivative, const Work *work, double *top, double *end,
+                    double *largest);
+
+/* Twice: name_portable and name_avx2 [variant.h]. */
+#define STAGES_OF(variant)                                                                                             \
+    void orientation_##variant(const Model *model, const double *x, Work *work);                                       \
+    void joint_torques_##variant(const Model *model, const double *x, Work *work);                                     \
+    void motion_##variant(const Model *model, const double *x, Work *work);     /* sums along the cable */             \
+    void link_loads_##variant(const Model *model, const double *x, Work *work); /* weight, drag [5.7, 4.3] */          \
+    void chain_accelerations_##variant(const Model *model, const double *x, const double *u, Work *work,               \
+                                       double *acceleration);                                                          \
+    void cable_derivatives_##variant(const Model *model, const double *x, const double *u, Work *work,                 \
+                                     double *derivative);
+STAGES_OF(portable)
+STAGES_OF(avx2)
+#undef STAGES_OF
 
 #endif

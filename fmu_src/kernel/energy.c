@@ -1,9 +1,21 @@
 #include "dynamics.h"
 
+/* 1/2 k_1 th_1^2 + 1/2 sum k_i (th_i - th_{i-1})^2; the print leaves it out of [3.2] and its kin. */
+static double joint_energy(const Model *model, const double *x)
+{
+    double energy = 0.0, above = 0.0;
+    for (int i = 0; i < model->n; i++) {
+        const double bend = x[1 + i] - above;
+        energy += 0.5 * model->stiffness[i] * bend * bend;
+        above = x[1 + i];
+    }
+    return energy;
+}
+
 /*
  * E = floater + joint springs + terminal + sum over links of
  *     m V_c^2 / 2 + I_R w^2 / 2 - m^w g Y_c,   c the link's centre.
- * J0_i - m l^2/4 is I_R, with I_Rc on the last link. External forces are left out.
+ * I_R being with I_Rc on the last link. External forces are left out.
  */
 double cable_energy(const Model *model, const double *x, const Work *work)
 {

@@ -13,7 +13,7 @@
  */
 enum { STAGES = 7, BLOCKS = STAGES + 1 };
 static const double SAFETY = 0.9, LEAST_CHANGE = 0.2, MOST_CHANGE = 5.0;
-static const double SMALLEST_ERROR = 1e-6; /* keeps the rule's roots away from zero */
+static const double SMALLEST_ERROR = 1e-6;                     /* keeps the rule's roots away from zero */
 static const double RESOLUTION = 16.0 * 2.220446049250313e-16; /* of time, relative: steps below it are none */
 
 /* Views into the method's block: the slopes k_1 ... k_7 and the point being tried. */

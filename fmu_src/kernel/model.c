@@ -1,29 +1,55 @@
 #include "model.h"
+#include "processor.h"
 
-enum { MODEL_ARRAYS = 5, WORK_ARRAYS = 9 };
+/* Every derived or scratch array gets this many doubles beyond n: nodes are one more than links, and a lane that waits
+ * may look one further. */
+enum { SPARE = 2 };
+
+/* Addresses of the array pointers in a structure, in the order in which they lie in its block. */
+#define MODEL_ARRAYS(m)                                                                                                \
+    &(m)->stiffness, &(m)->damping, &(m)->weight, &(m)->drag_factor, &(m)->reach, &(m)->swing, &(m)->skew,             \
+        &(m)->per_rotary, &(m)->per_inertia, &(m)->half_per_inertia, &(m)->lever, &(m)->rest_share
+#define WORK_ARRAYS(w)                                                                                                 \
+    &(w)->sine, &(w)->cosine, &(w)->turn_sine, &(w)->turn_cosine, &(w)->joint, &(w)->torque, &(w)->velocity_x,         \
+        &(w)->velocity_y, &(w)->inward_x, &(w)->inward_y, &(w)->load_x, &(w)->load_y, &(w)->drive_x, &(w)->drive_y,    \
+        &(w)->nn, &(w)->en, &(w)->ee, &(w)->unit, &(w)->det, &(w)->m_xx, &(w)->m_xy, &(w)->m_yx, &(w)->m_yy,           \
+        &(w)->constant_x, &(w)->constant_y, &(w)->bias_x, &(w)->bias_y, &(w)->answer_x, &(w)->answer_y, &(w)->k_ee,    \
+        &(w)->k_en, &(w)->k_nn, &(w)->u_x, &(w)->u_y, &(w)->per_pivot, &(w)->turning
+
+static size_t array_doubles(int n)
+{
+    return (size_t)n + SPARE;
+}
+
+static void lay_out(double **const array[], size_t arrays, int n, double *block)
+{
+    for (size_t k = 0; k < arrays; k++) *array[k] = block + k * array_doubles(n);
+}
 
 size_t model_doubles(int n)
 {
-    return (size_t)MODEL_ARRAYS * (size_t)n;
+    Model model;
+    double **const array[] = {MODEL_ARRAYS(&model)};
+    return sizeof array / sizeof *array * array_doubles(n);
 }
 
 size_t work_doubles(int n)
 {
-    return (size_t)WORK_ARRAYS * (size_t)n;
+    Work work;
+    double **const array[] = {WORK_ARRAYS(&work)};
+    return sizeof array / sizeof *array * array_doubles(n);
 }
 
 void model_layout(Model *model, double *block)
 {
-    double **const array[MODEL_ARRAYS] = {&model->stiffness, &model->damping, &model->weight, &model->drag_factor,
-                                          &model->rotary};
-    for (int k = 0; k < MODEL_ARRAYS; k++) *array[k] = block + (size_t)k * (size_t)model->n;
+    double **const array[] = {MODEL_ARRAYS(model)};
+    lay_out(array, sizeof array / sizeof *array, model->n, block);
 }
 
 void work_layout(Work *work, int n, double *block)
 {
-    double **const array[WORK_ARRAYS] = {&work->sine,   &work->cosine, &work->torque, &work->load_x, &work->load_y,
-                                         &work->gain_x, &work->gain_y, &work->moment, &work->inverse};
-    for (int k = 0; k < WORK_ARRAYS; k++) *array[k] = block + (size_t)k * (size_t)n;
+    double **const array[] = {WORK_ARRAYS(work)};
+    lay_out(array, sizeof array / sizeof *array, n, block);
 }
 
 /* A scalar parameter overrides the array of the same meaning where the scene has it. */
@@ -37,9 +63,8 @@ static void prepare_links(Model *model)
     const double *p = model->parameter;
     model->has_stiffness = model->has_damping = model->has_drag = false;
     for (int i = 0; i < model->n; i++) {
-        const double length = model->link[LINK_LENGTH][i], mass = model->link[LINK_MASS][i];
+        const double mass = model->link[LINK_MASS][i];
         model->weight[i] = (mass - p[P_rho_w] * model->link[LINK_VOLUME][i]) * p[P_g];
-        model->rotary[i] = model->link[LINK_INERTIA][i] + mass * length * length / 4.0;
         model->stiffness[i] = per_link(model, P_k_joint, LINK_JOINT_STIFFNESS, i);
         model->damping[i] = per_link(model, P_c_joint, LINK_JOINT_DAMPING, i);
         if (model->drag == DRAG_COEFFICIENT) {
@@ -51,6 +76,25 @@ static void prepare_links(Model *model)
         model->has_stiffness |= model->stiffness[i] != 0.0;
         model->has_damping |= model->damping[i] != 0.0;
         model->has_drag |= model->drag_factor[i] != 0.0;
+    }
+}
+
+/* What passing a link takes, with the terminal's rotary inertia on the last one. */
+static void prepare_inertia(Model *model)
+{
+    model->end_inertia = model->parameter[P_I_Rc];
+    for (int i = 0; i < model->n; i++) {
+        const double length = model->link[LINK_LENGTH][i], mass = model->link[LINK_MASS][i], half = length / 2.0;
+        const double inertia = model->link[LINK_INERTIA][i] + (i == model->n - 1 ? model->end_inertia : 0.0);
+        const double rotary = inertia + mass * half * half;
+        model->reach[i] = length * length / rotary;
+        model->swing[i] = mass * inertia / rotary;
+        model->skew[i] = (inertia - mass * half * half) / rotary;
+        model->per_rotary[i] = 1.0 / rotary;
+        model->per_inertia[i] = 1.0 / inertia;
+        model->half_per_inertia[i] = half / inertia;
+        model->lever[i] = mass * half / inertia;
+        model->rest_share[i] = 1.0 - mass * half * half / inertia;
     }
 }
 
@@ -69,8 +113,6 @@ static void prepare_terminal(Model *model)
     const bool floater = model->terminal == TERMINAL_FLOATER;
     model->end_mass = floater ? p[P_M_2] : p[P_m_c];
     model->end_weight = submerged_end_mass(model) * p[P_g];
-    model->end_inertia = p[P_I_Rc];
-    model->rotary[model->n - 1] += model->end_inertia;
     model->has_spring = floater || model->terminal == TERMINAL_ANCHOR_SPRING;
     model->spring[0] = floater ? p[P_k_m2H] : p[P_k_cH];
     model->spring[1] = floater ? p[P_k_m2V] : p[P_k_cV];
@@ -83,5 +125,7 @@ static void prepare_terminal(Model *model)
 void model_prepare(Model *model)
 {
     prepare_links(model);
+    prepare_inertia(model);
     prepare_terminal(model);
+    model->has_avx2 = processor_has_avx2();
 }

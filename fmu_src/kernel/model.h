@@ -92,29 +92,44 @@ typedef struct {
     Drag drag;
     uint64_t present; /* bit P_x is set where the scene has parameter x */
     double parameter[PARAMETER_COUNT];
-    double rest[2];                     /* (x_0, y_0) of the terminal's springs [m] */
-    const double *link[LINK_COLUMNS];   /* as given */
+    double rest[2];                   /* (x_0, y_0) of the terminal's springs [m] */
+    const double *link[LINK_COLUMNS]; /* as given */
 
     bool has_stiffness, has_damping, has_drag, has_spring;
-    double *stiffness, *damping;        /* k_i, c_i [N m/rad], [N m s/rad] */
-    double *weight;                     /* submerged, m_i^w g [N] */
-    double *drag_factor;                /* c in f = -c |v_n| v_n [N s^2/m^2] */
-    double *rotary;                     /* J0_i = I_Ri + m_i l_i^2/4, and I_Rc on the last link [kg m^2] */
-    double end_mass, end_weight;        /* m_c (or M_2) [kg], submerged weight [N] */
-    double end_inertia;                 /* I_Rc [kg m^2] */
-    double spring[2], damper[2];        /* of the terminal, along x and y [N/m], [N s/m] */
-    double preload[2];                  /* constant force of the terminal's support along x, y [N] */
+    bool has_avx2;               /* of the processor */
+    double *stiffness, *damping; /* k_i, c_i [N m/rad], [N m s/rad] */
+    double *weight;              /* submerged, m_i^w g [N] */
+    double *drag_factor;         /* c in f = -c |v_n| v_n [N s^2/m^2] */
+    /* with I = I_Ri (and I_Rc on the last link), J0 = I + m l^2/4, h = l/2: */
+    double *reach, *swing, *skew;     /* l^2/J0 [1/kg], m I/J0 [kg], (I - m l^2/4)/J0: passing a link [ends.h] */
+    double *per_rotary, *per_inertia; /* 1/J0, 1/I [1/(kg m^2)] */
+    double *half_per_inertia, *lever; /* h/I [1/(kg m)], m h/I [1/m] */
+    double *rest_share;               /* 1 - m h^2/I */
+    double end_mass, end_weight;      /* m_c (or M_2) [kg], submerged weight [N] */
+    double end_inertia;               /* I_Rc [kg m^2] */
+    double spring[2], damper[2];      /* of the terminal, along x and y [N/m], [N s/m] */
+    double preload[2];                /* constant force of the terminal's support along x, y [N] */
 } Model;
 
 /* Scratch of one evaluation. Nothing in it outlives the call that filled it, except that outputs read
- * what derivatives left there for the same (x, u). */
+ * what derivatives left there for the same (x, u). Arrays are per link or per node, their formulas in chain.c. */
 typedef struct {
-    double *sine, *cosine;              /* of every link angle */
-    double *torque;                     /* T_{i+1} - T_i, joint torques on link i [N m] */
-    double *load_x, *load_y;            /* W_i: submerged weight and drag on link i [N] */
-    double *gain_x, *gain_y;            /* g_i of the elimination [kg m] */
-    double *moment, *inverse;           /* s_i [N m], 1/J_i */
-    double end_force[2];                /* all force on the terminal besides the cable's pull [N] */
+    double *sine, *cosine;             /* of every link angle */
+    double *turn_sine, *turn_cosine;   /* of the angle from the link above to this one */
+    double *joint, *torque;            /* T_i of joints, T_{i+1} - T_i on links [N m] */
+    double *velocity_x, *velocity_y;   /* of the node above the link [m/s] */
+    double *inward_x, *inward_y;       /* C_i of the nodes [m/s^2] */
+    double *load_x, *load_y;           /* W: submerged weight and drag on the link [N] */
+    double *drive_x, *drive_y;         /* H: the same and the known part of the mass forces [N] */
+    double *nn, *en, *ee, *unit, *det; /* inertia at the link's outer end [ends.h] */
+    double *m_xx, *m_xy, *m_yx, *m_yy; /* M of the recursions */
+    double *constant_x, *constant_y;   /* of the bias, later of the answer */
+    double *bias_x, *bias_y;           /* at the link's outer end: c [m/s^2] above the middle, f [N] below */
+    double *answer_x, *answer_y;       /* at the link's inner end: R [N] above, b [m/s^2] below; one ahead */
+    double *k_ee, *k_en, *k_nn;        /* K of links above the middle */
+    double *u_x, *u_y, *per_pivot;     /* u and 1/J of links below */
+    double *turning;                   /* s, then (s - l n.f)/J of links below */
+    double end_force[2];               /* all force on the terminal besides the cable's pull [N] */
     double end_position[2], end_velocity[2];
 } Work;
 

@@ -1,4 +1,5 @@
 #include "sincos.h"
+#include "variant.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -43,8 +44,9 @@ static double value_of(uint64_t bits)
     return value;
 }
 
-void sincos_array(int count, const double *angle, double *sine, double *cosine)
+void VARIANT(sincos_array)(int count, const double *angle, double *sine, double *cosine)
 {
+    LINKS_ARE_INDEPENDENT
     for (int i = 0; i < count; i++) {
         const double x = angle[i];
         const double shifted = x * TWO_OVER_PI + ROUNDER;

@@ -12,6 +12,7 @@
 #define SINCOS_RANGE 1.6e6
 
 /* sine[i], cosine[i] of angle[i] for i < count. |angle[i]| <= SINCOS_RANGE is the caller's promise. */
-void sincos_array(int count, const double *angle, double *sine, double *cosine);
+void sincos_array_portable(int count, const double *angle, double *sine, double *cosine);
+void sincos_array_avx2(int count, const double *angle, double *sine, double *cosine);
 
 #endif

@@ -11,10 +11,10 @@
 
 typedef enum {
     SOLVER_OK,
-    SOLVER_TOO_MANY_STEPS,   /* more than SOLVER_MOST_STEPS attempts in one call */
-    SOLVER_STEP_TOO_SMALL,   /* the error asks for steps below the resolution of time */
-    SOLVER_ANGLE_TOO_LARGE,  /* a link has wound up beyond SINCOS_RANGE */
-    SOLVER_INPUT_FAILED      /* the source of inputs gave up or gave no finite number */
+    SOLVER_TOO_MANY_STEPS,  /* more than SOLVER_MOST_STEPS attempts in one call */
+    SOLVER_STEP_TOO_SMALL,  /* the error asks for steps below the resolution of time */
+    SOLVER_ANGLE_TOO_LARGE, /* a link has wound up beyond SINCOS_RANGE */
+    SOLVER_INPUT_FAILED     /* the source of inputs gave up or gave no finite number */
 } SolverStatus;
 
 /* Bounded work instead of a hang: attempts per call. The hardest shipped scene takes a few hundred. */
@@ -30,10 +30,10 @@ typedef struct {
 
 /* Memory across calls: plain data, so that it can be saved with the state. */
 typedef struct {
-    double tolerance;            /* relative, and absolute in rad, m, rad/s, m/s */
-    double step;                 /* proposed next step [s]; 0: none yet */
-    double error_before;         /* scaled error of the last accepted step */
-    bool has_slope;              /* slope holds f(t, x) of the present point for the inputs slope_u */
+    double tolerance;    /* relative, and absolute in rad, m, rad/s, m/s */
+    double step;         /* proposed next step [s]; 0: none yet */
+    double error_before; /* scaled error of the last accepted step */
+    bool has_slope;      /* slope holds f(t, x) of the present point for the inputs slope_u */
     double slope_u[INPUT_COUNT];
     double counter[SOLVER_COUNT]; /* since the start: whole numbers, as hosts read them */
 } SolverMemory;

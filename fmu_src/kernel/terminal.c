@@ -20,7 +20,7 @@ void terminal_motion(const Model *model, const double *x, const Work *work, doub
 /*
  * Everything that acts on P_n besides the cable: submerged weight, the inputs, and where the scene has a
  * support, its spring-dampers about (x_0, y_0) with the preload that makes the rest shape an equilibrium.
- * It enters by virtual work through the elimination's start; [5.8]-[5.10] project it, which loses energy.
+ * It enters by virtual work, as what the elimination starts from; [5.8]-[5.10] project it, which loses energy.
  */
 void terminal_force(const Model *model, const double *x, const double *u, Work *work)
 {
@@ -31,8 +31,15 @@ void terminal_force(const Model *model, const double *x, const double *u, Work *
     double *position = work->end_position, *velocity = work->end_velocity;
     terminal_motion(model, x, work, position, velocity);
     for (int k = 0; k < 2; k++)
-        force[k] += model->preload[k] - model->spring[k] * (position[k] - model->rest[k]) -
-                    model->damper[k] * velocity[k];
+        force[k] +=
+            model->preload[k] - model->spring[k] * (position[k] - model->rest[k]) - model->damper[k] * velocity[k];
+}
+
+/* P_n answers with R = m_c b - force: the mass in every direction. */
+void terminal_port(const Model *model, const Work *work, Port *port)
+{
+    const double mass = model->end_mass;
+    *port = (Port){mass, 0.0, mass, 1.0, mass * mass, -work->end_force[0], -work->end_force[1]};
 }
 
 /* Kinetic energy of m_c, its weight, and the support's springs with their preload. */

@@ -7,26 +7,27 @@
  *     f n,   f = -c |v_n| v_n,   v_n = n . (V_{i-1} + l/2 w n) = n . V_{i-1} + l w / 2,
  * with c = 1/2 rho_w Cd D l and V_{i-1} the velocity of the link's upper end (still water).
  */
-void link_loads(const Model *model, const double *x, Work *work)
+void VARIANT(link_loads)(const Model *model, const double *x, Work *work)
 {
     const int n = model->n;
+    const double *weight = model->weight, *factor = model->drag_factor;
+    const double *length = model->link[LINK_LENGTH], *rate = x + n + 2;
+    const double *sine = work->sine, *cosine = work->cosine;
+    const double *velocity_x = work->velocity_x, *velocity_y = work->velocity_y;
+    double *load_x = work->load_x, *load_y = work->load_y;
     if (!model->has_drag) {
+        LINKS_ARE_INDEPENDENT
         for (int i = 0; i < n; i++) {
-            work->load_x[i] = 0.0;
-            work->load_y[i] = model->weight[i];
+            load_x[i] = 0.0;
+            load_y[i] = weight[i];
         }
         return;
     }
-    const double *length = model->link[LINK_LENGTH], *rate = x + n + 2;
-    double velocity_x = 0.0, velocity_y = x[n + 1];
+    LINKS_ARE_INDEPENDENT
     for (int i = 0; i < n; i++) {
-        const double normal_x = work->cosine[i], normal_y = -work->sine[i];
-        const double swing = length[i] * rate[i];
-        const double across = normal_x * velocity_x + normal_y * velocity_y + 0.5 * swing;
-        const double drag = -model->drag_factor[i] * fabs(across) * across;
-        work->load_x[i] = drag * normal_x;
-        work->load_y[i] = drag * normal_y + model->weight[i];
-        velocity_x += swing * normal_x;
-        velocity_y += swing * normal_y;
+        const double across = (cosine[i] * velocity_x[i] - sine[i] * velocity_y[i]) + 0.5 * length[i] * rate[i];
+        const double drag = -factor[i] * (fabs(across) * across);
+        load_x[i] = drag * cosine[i];
+        load_y[i] = weight[i] - drag * sine[i];
     }
 }

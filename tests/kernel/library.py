@@ -50,7 +50,9 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_advance": (_INT, _POINTER, ctypes.POINTER(_DOUBLE), _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
     "probe_tableau": (_INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_name": (ctypes.c_char_p, _INT, _INT),
-    "sincos_array": (None, _INT, _ARRAY, _ARRAY, _ARRAY),
+    "sincos_array_portable": (None, _INT, _ARRAY, _ARRAY, _ARRAY),
+    "probe_sincos_avx2": (_INT, _INT, _ARRAY, _ARRAY, _ARRAY),
+    "probe_use_avx2": (_INT, _POINTER, _INT),
     "fifth_root": (_DOUBLE, _DOUBLE),
 }
 """Function -> (type of the result, types of the arguments)."""
@@ -141,6 +143,10 @@ class Kernel:
     def __del__(self) -> None:
         if getattr(self, "_handle", None):
             self._library.probe_free(self._handle)
+
+    def use_avx2(self, wanted: bool) -> bool:
+        """Choose the compiled variant; whether the one for AVX2 is in use afterwards."""
+        return bool(self._library.probe_use_avx2(self._handle, wanted))
 
     def derivatives(self, x: Floats, u: Floats) -> Floats:
         """(q', v') of x = (q, v), shape (2 (n + 1),), for u as `inputs_of` makes it."""

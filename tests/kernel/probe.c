@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "../../fmu_src/kernel/dynamics.h"
+#include "../../fmu_src/kernel/processor.h"
+#include "../../fmu_src/kernel/sincos.h"
 #include "../../fmu_src/kernel/solver.h"
 
 typedef struct {
@@ -66,6 +68,26 @@ void probe_spoil_scratch(Probe *probe)
     for (size_t k = 0; k < work_doubles(probe->model.n); k++) probe->scratch[k] = NAN;
     for (int k = 0; k < 2; k++)
         probe->work.end_force[k] = probe->work.end_position[k] = probe->work.end_velocity[k] = NAN;
+}
+
+/* Choose the compiled variant; whether the wide one is in use afterwards. */
+int probe_use_avx2(Probe *probe, int wanted)
+{
+    probe->model.has_avx2 = wanted && processor_has_avx2();
+    return probe->model.has_avx2;
+}
+
+/* Like sincos_array_portable(); 0 and nothing done where the processor has no AVX2. */
+int probe_sincos_avx2(int count, const double *angle, double *sine, double *cosine)
+{
+#if defined(__x86_64__)
+    if (processor_has_avx2()) {
+        sincos_array_avx2(count, angle, sine, cosine);
+        return 1;
+    }
+#endif
+    (void)count, (void)angle, (void)sine, (void)cosine;
+    return 0;
 }
 
 void probe_derivatives(Probe *probe, const double *x, const double *u, double *derivative)
@@ -176,7 +198,9 @@ const char *probe_name(int list, int slot)
     static const struct {
         const char *const *name;
         int count;
-    } LISTS[] = {{PARAMETER_NAME, PARAMETER_COUNT}, {INPUT_NAME, INPUT_COUNT}, {OUTPUT_NAME, OUTPUT_COUNT},
+    } LISTS[] = {{PARAMETER_NAME, PARAMETER_COUNT},
+                 {INPUT_NAME, INPUT_COUNT},
+                 {OUTPUT_NAME, OUTPUT_COUNT},
                  {COUNTER_NAME, SOLVER_COUNT}};
     return slot < LISTS[list].count ? LISTS[list].name[slot] : NULL;
 }

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+import platform
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -71,3 +73,16 @@ def test_outputs_without_tensions_are_the_same_bits(library: ctypes.CDLL, kind: 
     cheap, full = c.kernel.outputs_without_tensions(c.q, c.v), c.kernel.outputs(c.q, c.v, c.inputs)
     assert {name for name, value in cheap.items() if np.isnan(value)} == TENSIONS
     assert all(cheap[name] == full[name] for name in set(full) - TENSIONS)
+
+
+@pytest.mark.parametrize("kind", range(len(KINDS)))
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 7, 60, 121])
+def test_both_compiled_variants_give_the_same_bits(library: ctypes.CDLL, n: int, kind: int) -> None:
+    """What AVX2 runs side by side is the same arithmetic: results do not depend on the processor."""
+    c = case(library, n, kind)
+    if not c.kernel.use_avx2(True):
+        assert platform.machine() != "x86_64" or "avx2" not in Path("/proc/cpuinfo").read_text(encoding="ascii")
+        return
+    wide = c.kernel.acceleration(c.q, c.v, c.inputs)
+    assert not c.kernel.use_avx2(False)
+    assert c.kernel.acceleration(c.q, c.v, c.inputs).tobytes() == wide.tobytes()

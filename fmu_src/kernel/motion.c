@@ -1,0 +1,24 @@
+#include "dynamics.h"
+
+/*
+ * What moves along the cable, summed from the top: at the node above link i
+ *     V_{i-1} = (0, y_m') + sum_{k<i} l_k w_k n_k                velocity, where drag asks for it [m/s]
+ *     C_{i-1} = sum_{k<i} l_k w_k^2 e_k                          centripetal part of the acceleration, reversed [m/s^2]
+ */
+void VARIANT(motion)(const Model *model, const double *x, Work *work)
+{
+    const int n = model->n;
+    const double *length = model->link[LINK_LENGTH], *rate = x + n + 2;
+    const double *sine = work->sine, *cosine = work->cosine;
+    double vx = 0.0, vy = x[n + 1], cx = 0.0, cy = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double swing = length[i] * rate[i], inward = swing * rate[i];
+        work->velocity_x[i] = vx, work->velocity_y[i] = vy;
+        work->inward_x[i] = cx, work->inward_y[i] = cy;
+        vx += swing * cosine[i];
+        vy -= swing * sine[i];
+        cx += inward * sine[i];
+        cy += inward * cosine[i];
+    }
+    work->inward_x[n] = cx, work->inward_y[n] = cy;
+}
