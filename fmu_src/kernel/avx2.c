@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "combine.h"
 #include "dynamics.h"
 #include "ends.h"
 #include "sincos.h"
@@ -19,6 +20,7 @@
 #endif
 
 #include "chain.c"
+#include "combine.c"
 #include "derivatives.c"
 #include "joints.c"
 #include "motion.c"
@@ -32,11 +34,10 @@
 #pragma GCC pop_options
 #endif
 
+const Variant AVX2 = {cable_derivatives_avx2, combine_avx2, largest_scaled_avx2};
+
 #else
 
-void cable_derivatives_avx2(const Model *model, const double *x, const double *u, Work *work, double *derivative)
-{
-    cable_derivatives_portable(model, x, u, work, derivative); /* never called: processor_has_avx2() is false */
-}
+const Variant AVX2 = {cable_derivatives_portable, combine_portable, largest_scaled_portable}; /* never chosen */
 
 #endif

@@ -1,13 +1,13 @@
 #include "dynamics.h"
 
+#include "combine.h"
 #include "sincos.h"
+
+const Variant PORTABLE = {cable_derivatives_portable, combine_portable, largest_scaled_portable};
 
 void cable_derivatives(const Model *model, const double *x, const double *u, Work *work, double *derivative)
 {
-    if (model->has_avx2)
-        cable_derivatives_avx2(model, x, u, work, derivative);
-    else
-        cable_derivatives_portable(model, x, u, work, derivative);
+    model->variant->derivatives(model, x, u, work, derivative);
 }
 
 void cable_outputs(const Model *model, const double *x, const double *derivative, Work *work, double *output,

@@ -58,19 +58,16 @@ static bool slope_at(const System *system, SolverMemory *memory, double t, const
     return true;
 }
 
-static double scale_of(double tolerance, double here, double there)
+static void combine(const System *system, const double *x, int terms, const double *weight, double *const *slope,
+                    double *out)
 {
-    return tolerance * (1.0 + fmax(fabs(here), fabs(there)));
+    system->model->variant->combine(model_states(system->model), x, terms, weight, slope, out);
 }
 
-static double largest_scaled(int count, double tolerance, const double *x, const double *value)
+/* The largest |value| / (1 + |x|) over all states, |x| being the larger of two points; NaN if anything is. */
+static double largest_scaled(const System *system, const double *value, const double *x, const double *y)
 {
-    double largest = 0.0;
-    for (int i = 0; i < count; i++) {
-        const double scaled = fabs(value[i]) / scale_of(tolerance, x[i], x[i]);
-        largest = scaled > largest ? scaled : largest;
-    }
-    return largest;
+    return system->model->variant->largest_scaled(model_states(system->model), value, x, y);
 }
 
 /*
@@ -80,15 +77,14 @@ static double largest_scaled(int count, double tolerance, const double *x, const
 static bool first_step(const System *system, SolverMemory *memory, const Stages *stages, double t, double span,
                        double least, const double *x)
 {
-    const int count = model_states(system->model);
-    const double unit = 1.0;
-    const double size = largest_scaled(count, unit, x, x), speed = largest_scaled(count, unit, x, stages->slope[0]);
+    double *const slope = stages->slope[0], *const ahead = stages->slope[1], *const change = stages->trial;
+    const double size = largest_scaled(system, x, x, x), speed = largest_scaled(system, slope, x, x);
     double step = speed > 1e-10 ? fmin(0.01 * (1e-3 + size) / speed, span) : span * 1e-3;
-    for (int i = 0; i < count; i++) stages->trial[i] = x[i] + step * stages->slope[0][i];
     double u[INPUT_COUNT];
-    if (!slope_at(system, memory, t + step, stages->trial, stages->slope[1], u)) return false;
-    for (int i = 0; i < count; i++) stages->slope[1][i] -= stages->slope[0][i];
-    const double bend = largest_scaled(count, unit, x, stages->slope[1]) / step;
+    combine(system, x, 1, &step, stages->slope, stages->trial);
+    if (!slope_at(system, memory, t + step, stages->trial, ahead, u)) return false;
+    combine(system, NULL, 2, (const double[]){-1.0, 1.0}, stages->slope, change);
+    const double bend = largest_scaled(system, change, x, x) / step;
     const double fastest = fmax(speed, bend);
     const double by_error = fastest > 1e-12 ? fifth_root(fmax(memory->tolerance / fastest, 1e-60)) : span;
     memory->step = fmin(fmax(fmin(100.0 * step, by_error), least), span);
@@ -96,32 +92,22 @@ static bool first_step(const System *system, SolverMemory *memory, const Stages 
 }
 
 /* trial = x + h sum_{j < stage} a_{stage, j} k_j */
-static void stage_point(int count, int stage, double h, const double *x, const Stages *stages)
+static void stage_point(const System *system, int stage, double h, const double *x, const Stages *stages)
 {
     const double *a = DORMAND_PRINCE_54.a + stage * (stage - 1) / 2;
-    double *trial = stages->trial;
-    memcpy(trial, x, (size_t)count * sizeof *x);
-    for (int j = 0; j < stage; j++) {
-        const double weight = h * a[j], *slope = stages->slope[j];
-        if (weight == 0.0) continue;
-        for (int i = 0; i < count; i++) trial[i] += weight * slope[i];
-    }
+    double weight[STAGES];
+    for (int j = 0; j < stage; j++) weight[j] = h * a[j];
+    combine(system, x, stage, weight, stages->slope, stages->trial);
 }
 
-/* err = max |h sum (b - b_embedded)_j k_j| / scale; NaN if anything in it is not a number. */
-static double scaled_error(int count, double h, double tolerance, const double *x, const Stages *stages)
+/* err = max |h sum (b - b_embedded)_j k_j| / scale; NaN if anything in it is not a number. Overwrites k_2. */
+static double scaled_error(const System *system, double h, double tolerance, const double *x, const Stages *stages)
 {
     const Tableau *table = &DORMAND_PRINCE_54;
-    double weight[STAGES], largest = 0.0, poison = 0.0;
+    double weight[STAGES], *const error = stages->slope[1];
     for (int j = 0; j < STAGES; j++) weight[j] = h * (table->b[j] - table->b_embedded[j]);
-    for (int i = 0; i < count; i++) {
-        double error = 0.0;
-        for (int j = 0; j < STAGES; j++) error += weight[j] * stages->slope[j][i];
-        const double scaled = fabs(error) / scale_of(tolerance, x[i], stages->trial[i]);
-        poison += scaled * 0.0; /* inf and NaN become NaN, everything else stays 0 */
-        largest = scaled > largest ? scaled : largest;
-    }
-    return largest + poison;
+    combine(system, NULL, STAGES, weight, stages->slope, error);
+    return largest_scaled(system, error, x, stages->trial) / tolerance;
 }
 
 static double change_of_step(double error, double error_before)
@@ -135,17 +121,16 @@ static double change_of_step(double error, double error_before)
 static bool attempt(const System *system, SolverMemory *memory, const Stages *stages, double t, double t_new,
                     const double *x, double *error)
 {
-    const int count = model_states(system->model);
     const double h = t_new - t;
     double u[INPUT_COUNT];
     for (int stage = 1; stage < STAGES; stage++) {
         const double c = DORMAND_PRINCE_54.c[stage];
-        stage_point(count, stage, h, x, stages);
+        stage_point(system, stage, h, x, stages);
         const double time = c == 1.0 ? t_new : t + c * h;
         if (!slope_at(system, memory, time, stages->trial, stages->slope[stage], u)) return false;
     }
     memcpy(memory->slope_u, u, sizeof u);
-    *error = scaled_error(count, h, memory->tolerance, x, stages);
+    *error = scaled_error(system, h, memory->tolerance, x, stages);
     return true;
 }
 

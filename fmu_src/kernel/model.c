@@ -127,5 +127,5 @@ void model_prepare(Model *model)
     prepare_links(model);
     prepare_inertia(model);
     prepare_terminal(model);
-    model->has_avx2 = processor_has_avx2();
+    model->variant = processor_has_avx2() ? &AVX2 : &PORTABLE;
 }

@@ -13,6 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "variant.h"
+
 #define PARAMETER(name, unit, least, description) P_##name,
 #define INPUT(name, unit, description)
 #define OUTPUT(name, unit, nominal, description)
@@ -86,7 +88,7 @@ typedef enum {
 
 /* Constant during a run. The upper half comes from the resource file and the parameters, the lower half
  * is derived of it by model_prepare(). */
-typedef struct {
+typedef struct Model {
     int n; /* links */
     Terminal terminal;
     Drag drag;
@@ -96,7 +98,7 @@ typedef struct {
     const double *link[LINK_COLUMNS]; /* as given */
 
     bool has_stiffness, has_damping, has_drag, has_spring;
-    bool has_avx2;               /* of the processor */
+    const Variant *variant;      /* what the processor can do */
     double *stiffness, *damping; /* k_i, c_i [N m/rad], [N m s/rad] */
     double *weight;              /* submerged, m_i^w g [N] */
     double *drag_factor;         /* c in f = -c |v_n| v_n [N s^2/m^2] */
@@ -113,7 +115,7 @@ typedef struct {
 
 /* Scratch of one evaluation. Nothing in it outlives the call that filled it, except that outputs read
  * what derivatives left there for the same (x, u). Arrays are per link or per node, their formulas in chain.c. */
-typedef struct {
+typedef struct Work {
     double *sine, *cosine;             /* of every link angle */
     double *turn_sine, *turn_cosine;   /* of the angle from the link above to this one */
     double *joint, *torque;            /* T_i of joints, T_{i+1} - T_i on links [N m] */

@@ -73,8 +73,8 @@ void probe_spoil_scratch(Probe *probe)
 /* Choose the compiled variant; whether the wide one is in use afterwards. */
 int probe_use_avx2(Probe *probe, int wanted)
 {
-    probe->model.has_avx2 = wanted && processor_has_avx2();
-    return probe->model.has_avx2;
+    probe->model.variant = wanted && processor_has_avx2() ? &AVX2 : &PORTABLE;
+    return probe->model.variant == &AVX2;
 }
 
 /* Like sincos_array_portable(); 0 and nothing done where the processor has no AVX2. */
@@ -93,6 +93,15 @@ int probe_sincos_avx2(int count, const double *angle, double *sine, double *cosi
 void probe_derivatives(Probe *probe, const double *x, const double *u, double *derivative)
 {
     cable_derivatives(&probe->model, x, u, &probe->work, derivative);
+}
+
+/* Many evaluations, each at a point that depends on the one before, for whoever holds the clock. */
+void probe_repeat(Probe *probe, double *x, const double *u, double *derivative, int times)
+{
+    for (int k = 0; k < times; k++) {
+        cable_derivatives(&probe->model, x, u, &probe->work, derivative);
+        x[1] += 1e-12 * derivative[1];
+    }
 }
 
 /* With derivative == NULL the outputs that need no derivatives; else after probe_derivatives() of the same x. */

@@ -1,0 +1,81 @@
+"""`python -m tests.benchmarks [PYTHON]`: measure, write build/benchmarks.json, print the README's tables.
+
+PYTHON is an interpreter that has the peers: `pip install mujoco pin dartpy` in an environment of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from tests.benchmarks import rhs, table_6_6
+
+LINKS = 120
+REPEATS = 2_000
+
+
+def machine() -> str:
+    """Processor, as the system names it."""
+    info = Path("/proc/cpuinfo")
+    names = [line.partition(":")[2].strip() for line in info.read_text().splitlines() if line.startswith("model name")]
+    return names[0] if names else platform.processor()
+
+
+def peers(python: str) -> dict[str, dict[str, object]]:
+    """What the libraries need for the same chain, after a look that they solve the same chain."""
+    script = Path(__file__).with_name("peers.py")
+    done = subprocess.run([python, str(script), str(LINKS), str(REPEATS)], capture_output=True, text=True, check=True)
+    found: dict[str, dict[str, object]] = json.loads(done.stdout)
+    own = rhs.single(LINKS)
+    for name, peer in found.items():
+        difference = np.max(np.abs(np.subtract(peer.pop("accelerations"), own["accelerations"])))  # type: ignore[call-overload]
+        if not difference < 1e-6:
+            raise SystemExit(f"{name} solves another chain: accelerations differ by {difference}")
+    found["cablefmu"] = {"version": version("cablefmu"), "seconds": own["seconds"]}
+    found["dense NumPy (cablefmu.reference)"] = {"version": np.__version__, "seconds": own["dense_seconds"]}
+    return found
+
+
+def main() -> None:
+    results: dict[str, object] = {
+        "machine": machine(),
+        "versions": {name: version(name) for name in ("cablefmu", "fmpy", "numpy", "ziglang")},
+        "per_link": rhs.per_link(),
+        "table_6_6": table_6_6.rows(),
+    }
+    if len(sys.argv) > 1:
+        results["peers"] = peers(sys.argv[1])
+    Path("build").mkdir(exist_ok=True)
+    Path("build/benchmarks.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    print_tables(results)
+
+
+def print_tables(results: dict[str, object]) -> None:
+    """Markdown, for the README."""
+    print(f"{results['machine']}; {results['versions']}\n")
+    print("| links | variant | ns per link |\n|---|---|---|")
+    for row in results["per_link"]:  # type: ignore[attr-defined]
+        print(f"| {row['links']} | {row['variant']} | {row['ns_per_link']:.1f} |")
+    print("\n| links | tolerance | ours [ms] | error [m] | right-hand sides | MATLAB [s] |\n|---|---|---|---|---|---|")
+    for row in results["table_6_6"]:  # type: ignore[attr-defined]
+        print(
+            f"| {row['links']} | {row['tolerance']:g} | {1e3 * row['seconds']:.1f} | {row['error_m']:.0e} | "
+            f"{row['rhs']:.0f} | {row['matlab_seconds']} |"
+        )
+    if "peers" not in results:
+        return
+    found: dict[str, dict[str, float]] = results["peers"]  # type: ignore[assignment]
+    own = found["cablefmu"]["seconds"]
+    print("\n| forward dynamics of 120 links | version | us | times ours |\n|---|---|---|---|")
+    for name, peer in sorted(found.items(), key=lambda item: item[1]["seconds"]):
+        print(f"| {name} | {peer['version']} | {1e6 * peer['seconds']:.1f} | {peer['seconds'] / own:.1f} |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+"""Nanoseconds per link of one right-hand side."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from cablefmu.cable import Cable, Drag, Links, Terminal
+from cablefmu.reference import Reference
+from cablefmu.scene import Scene, load_scene
+from tests.benchmarks.chain import Chain, chain
+from tests.kernel.library import Kernel, compile_kernel, inputs_of, load
+
+__all__ = ["bare_cable", "per_link", "single"]
+
+SIZES = (12, 120, 1_000, 10_000)
+BUDGET = 2_000_000  # links evaluated per round
+
+
+def bare_cable(c: Chain) -> Cable:
+    """The peers' chain as a cable: air, no springs and dampers."""
+    ones, zeros = np.ones(c.n), np.zeros(c.n)
+    links = Links(c.length * ones, c.mass * ones, c.inertia * ones, zeros, zeros, zeros, zeros, zeros)
+    parameters = {
+        "g": c.gravity,
+        "M_1": c.floater,
+        "k_m1": 0.0,
+        "c_m1": 0.0,
+        "static_load": -c.floater * c.gravity,
+        "m_c": c.load,
+    }
+    return Cable(
+        "bare", links, Terminal.LOAD, Drag.NONE, parameters, ("u_m1",), np.array([0.0, *c.theta]), np.zeros(c.n + 1)
+    )
+
+
+def water_cable(n: int) -> Cable:
+    """free-60-water with `n` links: drag, buoyancy, joint springs and dampers."""
+    text = load_scene("free-60-water").text.replace("links = 60", f"links = {n}")
+    return Scene.from_text(text, name=f"free-{n}-water").cable
+
+
+def seconds(kernel: Kernel, c: Chain, repeats: int) -> float:
+    """Of one evaluation, the best of seven rounds."""
+    x, u, best = np.array([0.0, *c.theta, 0.0, *c.omega]), inputs_of({}), float("inf")
+    for _ in range(7):
+        begun = time.perf_counter()
+        kernel.repeat(x, u, repeats)
+        best = min(best, (time.perf_counter() - begun) / repeats)
+    return best
+
+
+def _library(folder: str):  # type: ignore[no-untyped-def]
+    return load(compile_kernel(Path(folder)))
+
+
+def per_link() -> list[dict[str, float | str]]:
+    """Rows: links, variant, nanoseconds per link, of the submerged cable."""
+    rows: list[dict[str, float | str]] = []
+    with tempfile.TemporaryDirectory() as folder:
+        library = _library(folder)
+        for n in SIZES:
+            kernel, c = Kernel(library, water_cable(n)), chain(n)
+            for wide in (True, False):
+                if kernel.use_avx2(wide) is wide:
+                    cost = seconds(kernel, c, BUDGET // n) / n * 1e9
+                    rows.append({"links": n, "variant": "AVX2" if wide else "portable", "ns_per_link": cost})
+    return rows
+
+
+def single(n: int) -> dict[str, object]:
+    """Seconds and accelerations of the peers' chain in the kernel, and seconds of the dense reference."""
+    c = chain(n)
+    cable = bare_cable(c)
+    with tempfile.TemporaryDirectory() as folder:
+        kernel = Kernel(_library(folder), cable)
+        q, v = np.array([0.0, *c.theta]), np.array([0.0, *c.omega])
+        found = kernel.acceleration(q, v, {}).tolist()
+        cost = seconds(kernel, c, BUDGET // n)
+    reference = Reference(replace(cable))
+    begun = time.perf_counter()
+    for _ in range(50):
+        reference.acceleration(q, v, {})
+    return {"seconds": cost, "accelerations": found, "dense_seconds": (time.perf_counter() - begun) / 50}
