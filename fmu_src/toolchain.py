@@ -35,6 +35,11 @@ def fmi_sources() -> list[Path]:
     return sorted((HERE / "fmi").glob("*.c"))
 
 
+def partner_sources() -> list[Path]:
+    """FMUs in Python, which an installed package must find as well."""
+    return sorted((HERE / "partners").glob("*.py"))
+
+
 def fmi_headers() -> Path:
     """The folder of the FMI headers that FMPy ships.
 
@@ -50,12 +55,12 @@ def fmi_headers() -> Path:
 
 
 def source_hash() -> str:
-    """SHA-256 over everything that the binaries are made of, this recipe included."""
+    """SHA-256 over everything that the folder of binaries is made of, this recipe included."""
     digest = hashlib.sha256()
     files = sorted(
         p for folder in ("kernel", "fmi") for p in (HERE / folder).iterdir() if p.suffix in {".c", ".h", ".def"}
     )
-    for path in [*files, Path(__file__)]:
+    for path in [*files, *partner_sources(), Path(__file__)]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes().replace(b"\r\n", b"\n"))
     return digest.hexdigest()
 
@@ -77,12 +82,20 @@ def compile_library(output: Path, sources: list[Path], flags: list[str], *, targ
 
 
 def build_binaries(folder: Path) -> None:
-    """Every platform's library into `folder`, with the variable table and the stamp that says of which sources."""
+    """Every platform's library into `folder`, with the texts and the stamp that says of which sources."""
     for platform, (target, name) in TARGETS.items():
         compile_library(folder / platform / name, kernel_sources() + fmi_sources(), RELEASE, target=target)
+    copy_texts(folder)
+    (folder / "source_hash.txt").write_text(source_hash() + "\n")
+
+
+def copy_texts(folder: Path) -> None:
+    """Into `folder` what is not compiled: the variable table, the partners' scripts, the licence."""
+    (folder / "partners").mkdir(parents=True, exist_ok=True)
+    for path in partner_sources():
+        (folder / "partners" / path.name).write_bytes(path.read_bytes())
     (folder / "variables.def").write_bytes((HERE / "kernel" / "variables.def").read_bytes())
     (folder / "LICENSE").write_bytes((HERE.parent / "LICENSE").read_bytes())
-    (folder / "source_hash.txt").write_text(source_hash() + "\n")
 
 
 def is_current(folder: Path) -> bool:

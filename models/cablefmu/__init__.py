@@ -11,6 +11,7 @@ __version__ = "0.1.0"
 
 from .errors import CableError, FmuError, OptionError, RunError, SceneError, UserError
 from .fmu.archive import build_fmu
+from .fmu.twin import build_twin
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 
@@ -24,6 +25,7 @@ __all__ = [
     "UserError",
     "__version__",
     "build_fmu",
+    "build_twin",
     "load_scene",
     "shipped_scenes",
     "simulate",

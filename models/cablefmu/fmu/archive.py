@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -19,7 +19,7 @@ from .description import Experiment, describe, model_identifier
 from .resource import RESOURCE_NAME, resource_bytes, token_of
 from .variables import variables_of
 
-__all__ = ["Archive", "build_fmu", "default_path", "open_fmu"]
+__all__ = ["Archive", "build_fmu", "default_path", "open_fmu", "write_zip"]
 
 BINARIES = {
     2: {"linux64": "x86_64-linux/cable.so"},
@@ -66,7 +66,7 @@ def build_fmu(scene: Scene | str | Path, output: str | Path | None = None, *, fm
     path = Path(output) if output is not None else default_path(scene, fmi)
     members = _members(scene, fmi)
     with replacing(path) as temporary:
-        _write_zip(temporary, members)
+        write_zip(temporary, members)
     return path
 
 
@@ -93,7 +93,8 @@ def _members(scene: Scene, fmi: int) -> dict[str, bytes]:
     return members
 
 
-def _write_zip(path: Path, members: dict[str, bytes]) -> None:
+def write_zip(path: Path, members: Mapping[str, bytes]) -> None:
+    """Write an archive of these members, the same bytes for the same content."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(members):
             entry = zipfile.ZipInfo(name, date_time=_ZIP_DATE)

@@ -1,0 +1,148 @@
+"""The twin: an FMU of the same scene that the dense reference model computes, built by pythonfmu.
+
+The slave itself is fmu_src/partners/twin.py, which travels in the package's binaries/partners.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from pythonfmu import FmuBuilder
+
+from .. import __version__
+from ..errors import FmuError
+from ..files import check_writable, replacing
+from ..scene import Scene, load_scene
+from .archive import write_zip
+from .description import Experiment, describe, model_identifier
+from .resource import token_of
+from .variables import Kind, Variable, variables_of
+
+__all__ = ["build_twin", "scene_of_twin", "twin_variables"]
+
+_ORIGIN = "twin.json"
+"""Resource that says which scene it is, and of which version of this package."""
+
+_REMARK = (
+    "Twin for checking: computed by the dense reference model under scipy. The host's Python must have"
+    f" cablefmu {__version__} installed. Inputs are held over a communication step."
+)
+
+
+def twin_variables(scene: Scene) -> list[Variable]:
+    """The native FMU's variables, by the same references, less its time and its solver's counters."""
+    variables = variables_of(scene.cable, scene.dropped_outputs)
+    return [variable for variable in variables if variable.kind not in (Kind.TIME, Kind.SOLVER)]
+
+
+def build_twin(scene: Scene | str | Path, output: str | Path | None = None) -> Path:
+    """Build a scene's twin: an FMI 2 Co-Simulation FMU that shares no computation with the native one.
+
+    Parameters
+    ----------
+    scene
+        A scene, the name of one that ships, or the path of a TOML file.
+    output
+        File to write; by default ./build/NAME-twin.fmu. An existing file is replaced.
+
+    Returns
+    -------
+    Path
+        Of the archive. The Python of its host must have this version of `cablefmu` installed.
+
+    Raises
+    ------
+    SceneError
+        If the scene is not in order.
+    OptionError
+        If the file cannot be written.
+    """
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    path = Path(output) if output is not None else Path("build") / f"{scene.name}-twin.fmu"
+    check_writable(path)
+    members = _packed(scene)
+    members["modelDescription.xml"] = _description(scene, token_of(b"".join(members[name] for name in sorted(members))))
+    members["documentation/licenses/license.txt"] = (files("cablefmu") / "binaries" / "LICENSE").read_bytes()
+    with replacing(path) as temporary:
+        write_zip(temporary, members)
+    return path
+
+
+def scene_of_twin(resources: Path) -> Scene:
+    """The scene in the resources of a twin.
+
+    Raises
+    ------
+    FmuError
+        If another version of this package built the twin: its variables may have other references.
+    """
+    origin = json.loads((resources / _ORIGIN).read_text(encoding="utf-8"))
+    built_by = origin["cablefmu"]
+    if built_by != __version__:
+        raise FmuError(f"the twin was built by cablefmu {built_by}, installed is {__version__}; build it again")
+    return load_scene(resources / f"{origin['scene']}.toml")
+
+
+def _packed(scene: Scene) -> dict[str, bytes]:
+    """What pythonfmu packs: its library and its Python files, the slave, the scene and what that names."""
+    slave = files("cablefmu") / "binaries" / "partners" / "twin.py"
+    content = {
+        # One process may load twins of several scenes, and Python imports a module of one name only once.
+        f"twin_{model_identifier(scene.name)}.py": slave.read_bytes(),
+        f"{scene.name}.toml": scene.text.encode(),
+        _ORIGIN: json.dumps({"cablefmu": __version__, "scene": scene.name}).encode(),
+        **scene.files,
+    }
+    with tempfile.TemporaryDirectory(prefix="cablefmu-") as folder:
+        source, target = Path(folder) / "source", Path(folder) / "target"
+        for name, data in content.items():
+            file = source / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(data)
+        script = source / next(iter(content))
+        beside = [entry for entry in source.iterdir() if entry != script]
+        with _without_traces(script.stem):
+            packed = FmuBuilder.build_FMU(script, dest=target, project_files=beside)
+        with zipfile.ZipFile(packed) as archive:
+            return {name: archive.read(name) for name in archive.namelist()}
+
+
+@contextmanager
+def _without_traces(module: str) -> Iterator[None]:
+    """pythonfmu imports the script that it packs, and leaves it and its folder in this process."""
+    path = sys.path.copy()
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        sys.modules.pop(module, None)
+
+
+def _description(scene: Scene, token: str) -> bytes:
+    """The native FMU's, of Co-Simulation only: pythonfmu's own has no units, no initial unknowns, but a date."""
+    experiment = Experiment(scene.stop_time, scene.step, scene.tolerance)
+    description = f"{scene.description}. {_REMARK}"
+    root = ET.fromstring(
+        describe(
+            2, name=scene.name, description=description, token=token, variables=twin_variables(scene),
+            experiment=experiment,
+        )
+    )  # fmt: skip
+    root.set("generationTool", f"cablefmu {__version__} with PythonFMU {version('pythonfmu')}")
+    for model_exchange in root.findall("ModelExchange"):
+        root.remove(model_exchange)
+    for co_simulation in root.findall("CoSimulation"):
+        co_simulation.attrib |= {"needsExecutionTool": "true", "canInterpolateInputs": "false"}
+    ET.indent(root, "  ")
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
