@@ -18,6 +18,7 @@ from . import __version__
 from .errors import CableError, OptionError, RunError
 from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
+from .fmu.twin import build_twin
 from .plot import check_picture, plot_frames
 from .progress import showing_progress
 from .results import write_results
@@ -55,11 +56,16 @@ def build(
     output: Annotated[
         Path | None, Parameter(name=["--output", "-o"], help="File to write; ./build/NAME.fmu by default.")
     ] = None,
-    fmi: Annotated[Literal[2, 3], Parameter(help="Version of FMI.")] = 2,
+    fmi: Annotated[Literal[2, 3] | None, Parameter(help="Version of FMI; 2 by default.")] = None,
+    twin: Annotated[
+        bool, Parameter(negative=(), help="Build the reference model instead, in Python: ./build/NAME-twin.fmu.")
+    ] = False,
 ) -> None:
     """Build a scene's FMU: Model Exchange and Co-Simulation in one archive."""
-    path = build_fmu(load_scene(scene), output, fmi=fmi)
-    print(path)
+    if twin and fmi == 3:
+        raise OptionError("fmi = 3: a twin is an FMU of version 2; leave --fmi out, or --twin")
+    loaded = load_scene(scene)
+    print(build_twin(loaded, output) if twin else build_fmu(loaded, output, fmi=fmi or 2))
 
 
 @app.command

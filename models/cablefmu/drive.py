@@ -115,7 +115,8 @@ class _Fmi2(_Base):
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
         callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
         self._callbacks = callbacks  # must outlive the instance
-        _instantiate(self, lambda: self.fmu.instantiate(callbacks=callbacks))
+        # pythonfmu, the library of twins, keeps even its errors to itself when logging is off.
+        _instantiate(self, lambda: self.fmu.instantiate(callbacks=callbacks, loggingOn=True))
 
     def start(
         self, start: float, stop: float, tolerance: float, references: Sequence[int], values: Sequence[float]
@@ -138,13 +139,17 @@ class _Fmi2(_Base):
 
 
 class Fmi2CoSimulation(_Fmi2):
-    """The FMU integrates; forces follow their derivatives inside a step."""
+    """The FMU integrates; forces follow their derivatives inside a step, if it takes any (a twin does not)."""
 
     def __init__(self, description: Any, folder: str, feed: Feed) -> None:
         super().__init__(description, feed)
+        self._interpolates = description.coSimulation.canInterpolateInputs
         self.instantiate(fmi2.FMU2Slave, description, description.coSimulation, folder)
 
     def advance(self, time: float, end: float) -> None:
+        if not self._interpolates:
+            self._hold(time, end)
+            return
         while time < end:
             reach = self.feed.polynomial_reach(time, end)
             self.set_inputs(self.feed.values(time))
@@ -153,6 +158,12 @@ class Fmi2CoSimulation(_Fmi2):
                 "fmi2DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=reach - time
             )
             time = reach
+
+    def _hold(self, time: float, end: float) -> None:
+        """One step under the forces in its middle: an error of second order in the step."""
+        self.set_inputs(self.feed.values(0.5 * (time + end)))
+        self._call("fmi2DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=end - time)
+        self.set_inputs(self.feed.values_before(end, end))
 
     def _set_derivatives(self, time: float) -> None:
         if not self.feed.varies:

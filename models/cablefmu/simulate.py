@@ -179,7 +179,8 @@ def _nearest(name: str, allowed: Sequence[str]) -> str:
 
 def _run(archive: Archive, settings: Settings, folder: str, progress: Progress | None) -> xr.Dataset:
     scene = archive.scene
-    variables = variables_of(scene.cable, scene.dropped_outputs)
+    present = {variable.name for variable in archive.description.modelVariables}  # a twin has no counters
+    variables = [v for v in variables_of(scene.cable, scene.dropped_outputs) if v.name in present]
     by_name = {variable.name: variable for variable in variables}
     signals = {name: scene.signals[name] for name in scene.cable.inputs}
     # A force that was set is constant, in place of the scene's.
