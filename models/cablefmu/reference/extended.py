@@ -21,7 +21,7 @@ from cablefmu.reference.outputs import output_values
 from cablefmu.reference.terminal import TerminalRule
 from cablefmu.reference.vectors import gravity_vector, velocity_vector
 
-__all__ = ["extended_acceleration", "extended_outputs"]
+__all__ = ["extended_acceleration", "extended_outputs", "long_double_acceleration"]
 
 
 def extended_acceleration(
@@ -46,6 +46,20 @@ def extended_acceleration(
         return _solve(chain, motion, forces, terminal_rule)
 
 
+def long_double_acceleration(cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Array:
+    """x'' in numpy's long double: three more digits than a double on x86, and quick enough for hundreds of links.
+
+    Returns
+    -------
+    array of `numpy.longdouble`, shape (n + 1,) [m/s^2, rad/s^2]
+    """
+    wide = np.longdouble
+    motion = motion_of(q.astype(wide), v.astype(wide), np.sin, np.cos)
+    chain = chain_of(cable, wide)
+    forces = {name: wide(value) for name, value in inputs.items()}
+    return _eliminated(*_equation(chain, motion, forces, "virtual_work"))
+
+
 def extended_outputs(
     cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float], *, digits: int = 50
 ) -> dict[str, Any]:
@@ -62,11 +76,26 @@ def _exact(cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]) -> t
     return chain_of(cable, mpmath.mpf), motion, {name: mpmath.mpf(value) for name, value in inputs.items()}
 
 
-def _solve(chain: Chain, motion: Motion, inputs: Mapping[str, Any], rule: TerminalRule) -> Array:
+def _equation(chain: Chain, motion: Motion, inputs: Mapping[str, Any], rule: TerminalRule) -> tuple[Array, Array]:
+    """I and T - (C x' + K x + F + G)."""
     q = np.concatenate([[motion.heave], motion.theta])
     v = np.concatenate([[motion.heave_rate], motion.omega])
     T = generalised_forces(chain, motion, inputs, rule)
     F, G = velocity_vector(chain, motion), gravity_vector(chain, motion)
-    right_side = T - (damping_matrix(chain) @ v + stiffness_matrix(chain) @ q + F + G)
-    inertia = mpmath.matrix(inertia_matrix(chain, motion).tolist())
-    return np.array(list(mpmath.lu_solve(inertia, mpmath.matrix(right_side.tolist()))), dtype=object)
+    return inertia_matrix(chain, motion), T - (damping_matrix(chain) @ v + stiffness_matrix(chain) @ q + F + G)
+
+
+def _solve(chain: Chain, motion: Motion, inputs: Mapping[str, Any], rule: TerminalRule) -> Array:
+    inertia, right_side = _equation(chain, motion, inputs, rule)
+    found = mpmath.lu_solve(mpmath.matrix(inertia.tolist()), mpmath.matrix(right_side.tolist()))
+    return np.array(list(found), dtype=object)
+
+
+def _eliminated(matrix: Array, right_side: Array) -> Array:
+    """Gauss without pivoting, which a positive definite matrix does not need; LAPACK has no long double."""
+    A, b = np.column_stack([matrix, right_side]), np.empty_like(right_side)
+    for k in range(len(b)):
+        A[k + 1 :, k:] -= np.outer(A[k + 1 :, k] / A[k, k], A[k, k:])
+    for k in reversed(range(len(b))):
+        b[k] = (A[k, -1] - A[k, k + 1 : -1] @ b[k + 1 :]) / A[k, k]
+    return b
