@@ -20,7 +20,7 @@ _CODE = re.compile(r"`([^`\n]+)`")
 _LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)#?([^)\s]*)\)")
 _HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 _TEST = re.compile(r"^ *def (test_\w+)\(", re.MULTILINE)
-_TO_SECTION = re.compile(r"docs/(\w+\.md), section \"([^\"\n]+)\"")
+_TO_SECTION = re.compile(r"docs/(\w+\.md), (?:section )?\"([^\"\n]+)\"")
 
 
 @cache
@@ -63,6 +63,7 @@ def test_what_a_page_names_exists(page: Path) -> None:
     ("text", "gone"),
     [
         ("`fmu_src/kernel/chain.c`, `fmu_src/kernel/*.c`, `build/x.fmu`, `a/b`, [x](model.md#in-on), [y](#errata)", []),
+        ("[x](numerics.md), [y](numerics.md#heavy-ends)", []),
         ("`fmu_src/kernel/chains.c`", ["fmu_src/kernel/chains.c"]),
         ("`tests/*/test_chian.py`", ["tests/*/test_chian.py"]),
         ("`test_what_a_page_names_exists`, `test_nothing`", ["test_nothing"]),
