@@ -42,6 +42,28 @@ static inline int first_tip(const Model *model)
     return model->n - 1 - is_odd(model);
 }
 
+/*
+ * The sweep inwards goes strip by strip, links from ... to - 1 and their partners, so that what one pass leaves for
+ * the next is still in the first cache: 32 links of both ends take some 20 kB.
+ */
+enum { STRIP = 32 };
+
+typedef struct {
+    int from, to;         /* links at the top */
+    int tip_from, tip_to; /* links at the tip, the odd one included */
+} Strip;
+
+static inline Strip strip_at(const Model *model, int from)
+{
+    const int middle = middle_of(model), to = from + STRIP < middle ? from + STRIP : middle;
+    return (Strip){from, to, first_tip(model) - to + 1, from ? first_tip(model) - from + 1 : model->n};
+}
+
+static inline bool top_waits(const Model *model, Strip strip)
+{
+    return strip.from == 0 && is_odd(model);
+}
+
 static inline Lanes at(const double *array, int top, int tip)
 {
     return (Lanes){array[top], array[tip]};
@@ -92,23 +114,28 @@ static Inertia with_top_of(Inertia a, Inertia before)
     return a;
 }
 
-/* The inertia at every link's outer end, in the link's axes, from that of the ports; and at the middle. World's axes. */
-static Inertia inertia_inwards(const Model *model, Work *work, Inertia port)
+/* Passes a strip of links, keeping the inertia at every link's outer end, in the link's axes. */
+static Inertia inertia_inwards(const Model *model, Work *work, Strip strip, Inertia a)
 {
-    const int n = model->n, middle = middle_of(model), tip = first_tip(model);
-    Inertia a = turned(port, at(work->cosine, 0, n - 1), at(work->sine, 0, n - 1));
-    if (is_odd(model)) a = with_top_of(inertia_past(model, work, a, 0, n - 1), a);
-    for (int i = 0; i < middle; i++) {
-        a = inertia_past(model, work, a, i, tip - i);
+    if (top_waits(model, strip)) a = with_top_of(inertia_past(model, work, a, 0, model->n - 1), a);
+    for (int i = strip.from; i < strip.to; i++) {
+        a = inertia_past(model, work, a, i, first_tip(model) - i);
         if (i % 8 == 7) a = rescaled(a);
     }
+    return a;
+}
+
+/* From the axes of the two links that meet in the middle to the world's. */
+static Inertia in_the_world(const Model *model, const Work *work, Inertia a)
+{
+    const int middle = middle_of(model);
     const Lanes cosine = {work->cosine[middle], middle ? work->cosine[middle - 1] : 1.0};
     const Lanes sine = {-work->sine[middle], middle ? -work->sine[middle - 1] : 0.0};
     return rescaled(turned(a, cosine, sine));
 }
 
 /* M and the bias' constant of the links above the middle, and K in the link's axes. */
-static void gains_from_top(const Model *model, Work *work, int middle)
+static void gains_from_top(const Model *model, Work *work, int from, int to)
 {
     const double *mass = model->link[LINK_MASS], *swing = model->swing, *lever = model->lever;
     const double *rest = model->rest_share, *sine = work->sine, *cosine = work->cosine;
@@ -119,7 +146,7 @@ static void gains_from_top(const Model *model, Work *work, int middle)
     double *m_xx = work->m_xx, *m_xy = work->m_xy, *m_yx = work->m_yx, *m_yy = work->m_yy;
     double *constant_x = work->constant_x, *constant_y = work->constant_y;
     LINKS_ARE_INDEPENDENT
-    for (int i = 0; i < middle; i++) {
+    for (int i = from; i < to; i++) {
         const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, m = mass[i], per_mass = 1.0 / m;
         const double across = det[i] + m * nn[i];
         const double scale = 1.0 / (across + swing[i] * (ee[i] + m * unit[i])); /* 1 / det' of past_link() */
@@ -140,7 +167,7 @@ static void gains_from_top(const Model *model, Work *work, int middle)
 }
 
 /* M and the bias' constant of the links below the middle, u and 1 / J. */
-static void gains_from_tip(const Model *model, Work *work, int middle)
+static void gains_from_tip(const Model *model, Work *work, int from, int to)
 {
     const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
     const double *reach = model->reach, *per_rotary = model->per_rotary;
@@ -151,7 +178,7 @@ static void gains_from_tip(const Model *model, Work *work, int middle)
     double *m_xx = work->m_xx, *m_xy = work->m_xy, *m_yx = work->m_yx, *m_yy = work->m_yy;
     double *constant_x = work->constant_x, *constant_y = work->constant_y, *turning = work->turning;
     LINKS_ARE_INDEPENDENT
-    for (int i = middle; i < model->n; i++) {
+    for (int i = from; i < to; i++) {
         const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, l = length[i];
         const double scale = per_rotary[i] / (unit[i] + reach[i] * nn[i]); /* 1 / (J unit) */
         const double along = l * en[i] * scale, across = l * (nn[i] + 0.5 * mass[i] * unit[i]) * scale;
@@ -175,29 +202,27 @@ static inline Planar bias_past(Work *work, Planar z, int top, int tip)
                     at(work->m_yx, top, tip) * z.x + (at(work->m_yy, top, tip) * z.y + at(work->constant_y, top, tip))};
 }
 
-/* z <- M z + constant; z at every link's outer end is kept. */
-static Planar bias_inwards(const Model *model, Work *work, Planar z)
+/* z <- M z + constant over a strip; z at every link's outer end is kept. */
+static Planar bias_inwards(const Model *model, Work *work, Strip strip, Planar z)
 {
-    const int tip = first_tip(model);
-    if (is_odd(model)) {
+    if (top_waits(model, strip)) {
         const Planar next = bias_past(work, z, 0, model->n - 1);
         z.x[FROM_TIP] = next.x[FROM_TIP], z.y[FROM_TIP] = next.y[FROM_TIP];
     }
-    for (int i = 0; i < middle_of(model); i++) z = bias_past(work, z, i, tip - i);
+    for (int i = strip.from; i < strip.to; i++) z = bias_past(work, z, i, first_tip(model) - i);
     return z;
 }
 
-/* Constants of the answers: K q above the middle; below it (s - l n.f)/J, and that times l n. */
-static void answer_constants(const Model *model, Work *work, int middle)
+/* Constant of the answer above the middle: K q. */
+static void answers_from_top(const Model *model, Work *work, int from, int to)
 {
-    const double *mass = model->link[LINK_MASS], *length = model->link[LINK_LENGTH];
-    const double *sine = work->sine, *cosine = work->cosine, *lever = model->lever;
+    const double *mass = model->link[LINK_MASS], *lever = model->lever, *sine = work->sine, *cosine = work->cosine;
     const double *bias_x = work->bias_x, *bias_y = work->bias_y, *torque = work->torque;
     const double *k_ee = work->k_ee, *k_en = work->k_en, *k_nn = work->k_nn;
-    const double *drive_x = work->drive_x, *drive_y = work->drive_y, *per_pivot = work->per_pivot;
-    double *constant_x = work->constant_x, *constant_y = work->constant_y, *turning = work->turning;
+    const double *drive_x = work->drive_x, *drive_y = work->drive_y;
+    double *constant_x = work->constant_x, *constant_y = work->constant_y;
     LINKS_ARE_INDEPENDENT
-    for (int i = 0; i < middle; i++) {
+    for (int i = from; i < to; i++) {
         const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, push = lever[i] * torque[i];
         const double q_x = mass[i] * bias_x[i] + (push * nx - drive_x[i]);
         const double q_y = mass[i] * bias_y[i] + (push * ny - drive_y[i]);
@@ -206,8 +231,16 @@ static void answer_constants(const Model *model, Work *work, int middle)
         constant_x[i] = r_e * ex + r_n * nx;
         constant_y[i] = r_e * ey + r_n * ny;
     }
+}
+
+/* Below it: (s - l n.f)/J, the link's acceleration if its node stood still, and that times l n. */
+static void answers_from_tip(const Model *model, Work *work, int from, int to)
+{
+    const double *length = model->link[LINK_LENGTH], *sine = work->sine, *cosine = work->cosine;
+    const double *bias_x = work->bias_x, *bias_y = work->bias_y, *per_pivot = work->per_pivot;
+    double *constant_x = work->constant_x, *constant_y = work->constant_y, *turning = work->turning;
     LINKS_ARE_INDEPENDENT
-    for (int i = middle; i < model->n; i++) {
+    for (int i = from; i < to; i++) {
         const double lx = length[i] * cosine[i], ly = -length[i] * sine[i];
         const double free = (turning[i] - (lx * bias_x[i] + ly * bias_y[i])) * per_pivot[i];
         turning[i] = free;
@@ -277,19 +310,27 @@ void VARIANT(chain_accelerations)(const Model *model, const double *x, const dou
 {
     const int n = model->n, middle = middle_of(model);
     const double sum_x = work->inward_x[n], sum_y = work->inward_y[n];
-    drive_links(model, x, work, 0, middle, 0.0, 0.0);
-    drive_links(model, x, work, middle, n, sum_x, sum_y);
-
     Port port[ENDS];
     top_port(model, x, u, &port[FROM_TOP]);
     terminal_port(model, work, &port[FROM_TIP]);
-    const Inertia inertia = inertia_inwards(model, work, inertia_of(port));
-    gains_from_top(model, work, middle);
-    gains_from_tip(model, work, middle);
-    const Planar bias = bias_inwards(model, work, bias_of(port));
-    answer_constants(model, work, middle);
-    answers_outwards(model, work, meet(inertia, bias, sum_x, sum_y));
+    Planar bias = bias_of(port);
+    Inertia inertia = turned(inertia_of(port), at(work->cosine, 0, n - 1), at(work->sine, 0, n - 1));
 
+    int from = 0;
+    do {
+        const Strip strip = strip_at(model, from);
+        drive_links(model, x, work, strip.from, strip.to, 0.0, 0.0);
+        drive_links(model, x, work, strip.tip_from, strip.tip_to, sum_x, sum_y);
+        inertia = inertia_inwards(model, work, strip, inertia);
+        gains_from_top(model, work, strip.from, strip.to);
+        gains_from_tip(model, work, strip.tip_from, strip.tip_to);
+        bias = bias_inwards(model, work, strip, bias);
+        answers_from_top(model, work, strip.from, strip.to);
+        answers_from_tip(model, work, strip.tip_from, strip.tip_to);
+        from = strip.to;
+    } while (from < middle);
+
+    answers_outwards(model, work, meet(in_the_world(model, work, inertia), bias, sum_x, sum_y));
     acceleration[0] = top_acceleration(model, x, u, work->answer_x[0], work->answer_y[0]);
     turn_links(model, work, middle, acceleration + 1);
 }
