@@ -108,7 +108,7 @@ class Host(AbstractContextManager["Host"]):
 
             callbacks = fmi2.fmi2CallbackFunctions()
             callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log2)
-            self.fmu.instantiate(callbacks=callbacks)
+            self.fmu.instantiate(callbacks=callbacks, loggingOn=True)  # pythonfmu says nothing otherwise
             return
 
         def log3(environment: Any, status: int, category: bytes, message: bytes) -> None:

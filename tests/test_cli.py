@@ -70,7 +70,12 @@ def test_the_version_is_told(command: Command) -> None:
 
 @pytest.mark.parametrize(
     ("options", "file"),
-    [([], "build/load.fmu"), (["--fmi", "3"], "build/load-fmi3.fmu"), (["-o", "my/x.fmu"], "my/x.fmu")],
+    [
+        ([], "build/load.fmu"),
+        (["--fmi", "3"], "build/load-fmi3.fmu"),
+        (["-o", "my/x.fmu"], "my/x.fmu"),
+        (["--twin"], "build/load-twin.fmu"),
+    ],
 )
 def test_build_prints_where_it_built(options: list[str], file: str, command: Command) -> None:
     assert command("build", "load.toml", *options).out == f"{file}\n"
@@ -144,6 +149,7 @@ WRONG = {
         (["run", "load.toml", "--colour", "red"], "Unknown option: --colour"),
         (["run", "load.toml", "--fmi", "4"], 'Invalid value "4" for --fmi. Choose from: 2, 3'),
         (["run", "load.toml", "--interface", "xx"], 'Invalid value "xx" for --interface'),
+        (["build", "load.toml", "--twin", "--fmi", "3"], "fmi = 3: a twin is an FMU of version 2"),
     ],
     "scenes": [
         (["run", "free-12-watr"], 'no scene "free-12-watr" ships; the nearest is "free-12-water"'),

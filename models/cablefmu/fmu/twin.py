@@ -94,7 +94,7 @@ def scene_of_twin(resources: Path) -> Scene:
 
 
 def _packed(scene: Scene) -> dict[str, bytes]:
-    """What pythonfmu packs: its library and its Python files, the slave, the scene and what that names."""
+    """What pythonfmu packs but its description: its library and its Python files, the slave, the scene's files."""
     slave = files("cablefmu") / "binaries" / "partners" / "twin.py"
     content = {
         # One process may load twins of several scenes, and Python imports a module of one name only once.
@@ -114,7 +114,7 @@ def _packed(scene: Scene) -> dict[str, bytes]:
         with _without_traces(script.stem):
             packed = FmuBuilder.build_FMU(script, dest=target, project_files=beside)
         with zipfile.ZipFile(packed) as archive:
-            return {name: archive.read(name) for name in archive.namelist()}
+            return {name: archive.read(name) for name in archive.namelist() if name != "modelDescription.xml"}
 
 
 @contextmanager
