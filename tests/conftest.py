@@ -1,7 +1,11 @@
-"""What many tests share: the small scenes' FMUs, built and unpacked once a session."""
+"""What many tests share, made once a session: the small scenes' FMUs unpacked, the kernel as a library.
+
+With several workers each makes its own, in a temporary folder of its own.
+"""
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -9,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.fmu_helpers import small_scene, unpack
+from tests.kernel.library import compile_kernel, load
 
 Unpacked = Callable[[str, int], Path]
 
@@ -23,3 +28,9 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
         return unpack(small_scene(kind), folder, fmi)
 
     return build
+
+
+@pytest.fixture(scope="session")
+def library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    """Kernel and probe with the release's flags."""
+    return load(compile_kernel(tmp_path_factory.mktemp("kernel")))
