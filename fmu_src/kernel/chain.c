@@ -125,13 +125,11 @@ static Inertia inertia_inwards(const Model *model, Work *work, Strip strip, Iner
     return a;
 }
 
-/* From the axes of the two links that meet in the middle to the world's. */
-static Inertia in_the_world(const Model *model, const Work *work, Inertia a)
+/* At the middle the top stands in the axes of the link below it, the tip in those of the one above: both in the first. */
+static Inertia in_middle_axes(const Model *model, const Work *work, Inertia a)
 {
     const int middle = middle_of(model);
-    const Lanes cosine = {work->cosine[middle], middle ? work->cosine[middle - 1] : 1.0};
-    const Lanes sine = {-work->sine[middle], middle ? -work->sine[middle - 1] : 0.0};
-    return rescaled(turned(a, cosine, sine));
+    return rescaled(turned(a, (Lanes){1.0, work->turn_cosine[middle]}, (Lanes){0.0, work->turn_sine[middle]}));
 }
 
 /* M and the bias' constant of the links above the middle, and K in the link's axes. */
@@ -152,7 +150,7 @@ static void gains_from_top(const Model *model, Work *work, int from, int to)
         const double scale = 1.0 / (across + swing[i] * (ee[i] + m * unit[i])); /* 1 / det' of past_link() */
         const double kee = (det[i] + swing[i] * ee[i]) * scale, ken = swing[i] * en[i] * scale;
         const double knn = swing[i] * per_mass * across * scale;
-        const double mne = rest[i] * ken, mnn = rest[i] * knn; /* B halves, or the like, what turns the link */
+        const double mne = rest[i] * ken, mnn = rest[i] * knn; /* B acts on n alone, with the factor 1 - m h^2 / I */
         const double p_x = kee * ex + mne * nx, p_y = kee * ey + mne * ny; /* M e */
         const double q_x = ken * ex + mnn * nx, q_y = ken * ey + mnn * ny; /* M n */
         const double mxx = p_x * ex + q_x * nx, mxy = p_x * ey + q_x * ny;
@@ -281,28 +279,42 @@ static void turn_links(const Model *model, const Work *work, int middle, double 
         acceleration[i] = turning[i] - (u_x[i] * answer_x[i + 1] + u_y[i] * answer_y[i + 1]);
 }
 
-/*
- * At the middle b + S = c - A_top^-1 R and R = A_tip b + f, S being the sum of C from both sides. With the compliance
- * adj(N) / det of the top and the inertia N / unit of the tip:
- *     (unit det + N_tip adj(N_top)) R = det (N_tip (c - S) + unit f)
- * Returns R in the top's lane and b in the tip's.
- */
-static Planar meet(Inertia a, Planar bias, double sum_x, double sum_y)
+/* Along n and e of a link, in the fields x and y, what is given along x and y of the world; and back. */
+static inline Planar in_axes(Planar v, double sine, double cosine)
 {
-    const double det = a.det[FROM_TOP], unit = a.unit[FROM_TIP];
-    const double c_xx = a.ee[FROM_TOP], c_xy = -a.en[FROM_TOP], c_yy = a.nn[FROM_TOP];
-    const double n_xx = a.nn[FROM_TIP], n_xy = a.en[FROM_TIP], n_yy = a.ee[FROM_TIP];
-    const double free_x = bias.x[FROM_TOP] - sum_x, free_y = bias.y[FROM_TOP] - sum_y;
-    const double right_x = det * ((n_xx * free_x + n_xy * free_y) + unit * bias.x[FROM_TIP]);
-    const double right_y = det * ((n_xy * free_x + n_yy * free_y) + unit * bias.y[FROM_TIP]);
-    const double both = unit * det;
-    const double m_xx = both + (n_xx * c_xx + n_xy * c_xy), m_xy = n_xx * c_xy + n_xy * c_yy;
-    const double m_yx = n_xy * c_xx + n_yy * c_xy, m_yy = both + (n_xy * c_xy + n_yy * c_yy);
-    const double scale = 1.0 / (m_xx * m_yy - m_xy * m_yx);
-    const double force_x = (m_yy * right_x - m_xy * right_y) * scale,
-                 force_y = (m_xx * right_y - m_yx * right_x) * scale;
-    return (Planar){{force_x, free_x - (c_xx * force_x + c_xy * force_y) / det},
-                    {force_y, free_y - (c_xy * force_x + c_yy * force_y) / det}};
+    return (Planar){cosine * v.x - sine * v.y, sine * v.x + cosine * v.y};
+}
+
+static inline Planar in_world(Planar v, double sine, double cosine)
+{
+    return (Planar){cosine * v.x + sine * v.y, cosine * v.y - sine * v.x};
+}
+
+/*
+ * At the middle b = d - A_t^-1 R and R = A_b b + f, t for top and b for tip, d = c - S with the sum S of C from both
+ * sides. With A = N / unit and det = det(N) / unit, without an inverse and symmetric in the two ends:
+ *     D = unit_b det_t + det_b unit_t + tr(N_b adj N_t)          P = unit_b det_t 1 + N_t adj N_b
+ *     R = ((det_t N_b + det_b N_t) d + P f) / D                  b = (P^T d - (unit_t adj N_b + unit_b adj N_t) f) / D
+ * All in axes n and e. Returns R in the top's lane and b in the tip's.
+ */
+static Planar meet(Inertia a, Planar free, Planar force)
+{
+    const double t_det = a.det[FROM_TOP], t_unit = a.unit[FROM_TOP], b_det = a.det[FROM_TIP], b_unit = a.unit[FROM_TIP];
+    const double t_nn = a.nn[FROM_TOP], t_en = a.en[FROM_TOP], t_ee = a.ee[FROM_TOP];
+    const double b_nn = a.nn[FROM_TIP], b_en = a.en[FROM_TIP], b_ee = a.ee[FROM_TIP];
+    const double d_n = free.x[FROM_TOP], d_e = free.y[FROM_TOP], f_n = force.x[FROM_TIP], f_e = force.y[FROM_TIP];
+    const double both = b_unit * t_det;
+    const double scale = 1.0 / ((both + b_det * t_unit) + ((b_nn * t_ee + b_ee * t_nn) - 2.0 * (b_en * t_en)));
+    const double p_nn = both + (t_nn * b_ee - t_en * b_en), p_ne = t_en * b_nn - t_nn * b_en;
+    const double p_en = t_en * b_ee - t_ee * b_en, p_ee = both + (t_ee * b_nn - t_en * b_en);
+    const double s_nn = t_det * b_nn + b_det * t_nn, s_ne = t_det * b_en + b_det * t_en,
+                 s_ee = t_det * b_ee + b_det * t_ee;
+    const double c_nn = t_unit * b_ee + b_unit * t_ee, c_ne = -(t_unit * b_en + b_unit * t_en);
+    const double c_ee = t_unit * b_nn + b_unit * t_nn;
+    return (Planar){{((s_nn * d_n + s_ne * d_e) + (p_nn * f_n + p_ne * f_e)) * scale,
+                     ((p_nn * d_n + p_en * d_e) - (c_nn * f_n + c_ne * f_e)) * scale},
+                    {((s_ne * d_n + s_ee * d_e) + (p_en * f_n + p_ee * f_e)) * scale,
+                     ((p_ne * d_n + p_ee * d_e) - (c_ne * f_n + c_ee * f_e)) * scale}};
 }
 
 void VARIANT(chain_accelerations)(const Model *model, const double *x, const double *u, Work *work,
@@ -330,7 +342,11 @@ void VARIANT(chain_accelerations)(const Model *model, const double *x, const dou
         from = strip.to;
     } while (from < middle);
 
-    answers_outwards(model, work, meet(in_the_world(model, work, inertia), bias, sum_x, sum_y));
+    const double sine = work->sine[middle], cosine = work->cosine[middle];
+    const Planar free = {bias.x - sum_x, bias.y - sum_y};
+    const Planar met =
+        meet(in_middle_axes(model, work, inertia), in_axes(free, sine, cosine), in_axes(bias, sine, cosine));
+    answers_outwards(model, work, in_world(met, sine, cosine));
     acceleration[0] = top_acceleration(model, x, u, work->answer_x[0], work->answer_y[0]);
     turn_links(model, work, middle, acceleration + 1);
 }

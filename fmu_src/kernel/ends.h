@@ -5,8 +5,8 @@
  * A part needs the force R = A a + f to follow the acceleration a, A symmetric 2x2, its inertia at the node. A is
  * kept in homogeneous coordinates, A = N / unit, together with det = det(N) / unit. In these five numbers
  * passing a link and turning the axes are linear, so that
- *   - nothing is divided on the way, and the coefficients of passing a link are all positive but one: however
- *     heavy an end is, no digits cancel;
+ *   - nothing is divided on the way, and the coefficients of passing a link are all positive but one: digits
+ *     cancel behind a heavy end only where links almost line up [docs/numerics.md];
  *   - what cannot move is no special case: free in y with mass M and fixed in x is N = diag(1, 0), unit = 0,
  *     det = M; a pin is det = 1 and zeros.
  * Axes are (n, e) of a link. Those of the world, (x, y), are a link's that hangs straight down.
