@@ -53,6 +53,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_name": (ctypes.c_char_p, _INT, _INT),
     "sincos_array_portable": (None, _INT, _ARRAY, _ARRAY, _ARRAY),
     "probe_sincos_avx2": (_INT, _INT, _ARRAY, _ARRAY, _ARRAY),
+    "probe_sincos_worst": (_DOUBLE, _INT, _DOUBLE, ctypes.c_uint64),
     "probe_use_avx2": (_INT, _POINTER, _INT),
     "fifth_root": (_DOUBLE, _DOUBLE),
 }

@@ -70,13 +70,6 @@ void probe_spoil_scratch(Probe *probe)
         probe->work.end_force[k] = probe->work.end_position[k] = probe->work.end_velocity[k] = NAN;
 }
 
-/* Choose the compiled variant; whether the wide one is in use afterwards. */
-int probe_use_avx2(Probe *probe, int wanted)
-{
-    probe->model.variant = wanted && processor_has_avx2() ? &AVX2 : &PORTABLE;
-    return probe->model.variant == &AVX2;
-}
-
 /* Like sincos_array_portable(); 0 and nothing done where the processor has no AVX2. */
 int probe_sincos_avx2(int count, const double *angle, double *sine, double *cosine)
 {
@@ -88,6 +81,47 @@ int probe_sincos_avx2(int count, const double *angle, double *sine, double *cosi
 #endif
     (void)count, (void)angle, (void)sine, (void)cosine;
     return 0;
+}
+
+/* Fast and good enough to scatter arguments: xorshift64*, Marsaglia and Vigna. */
+static uint64_t scattered(uint64_t *state)
+{
+    *state ^= *state >> 12, *state ^= *state << 25, *state ^= *state >> 27;
+    return *state * 0x2545f4914f6cdd1du;
+}
+
+static double ulps_off(double found, long double exact)
+{
+    int exponent;
+    frexpl(exact, &exponent);
+    return (double)(fabsl((long double)found - exact) / ldexpl(1.0L, exponent - 53));
+}
+
+/*
+ * The largest error of sine and cosine in units in the last place, against the platform's long double functions, over
+ * `blocks` times 1000 arguments scattered over [-reach, reach]; -1 if the two variants ever differ in a bit.
+ */
+double probe_sincos_worst(int blocks, double reach, uint64_t seed)
+{
+    double angle[1000], found[4][1000], worst = 0.0;
+    for (int block = 0; block < blocks; block++) {
+        for (int i = 0; i < 1000; i++) angle[i] = reach * ((double)(scattered(&seed) >> 11) * 0x1p-52 - 1.0);
+        sincos_array_portable(1000, angle, found[0], found[1]);
+        if (probe_sincos_avx2(1000, angle, found[2], found[3]) && memcmp(found[0], found[2], 2 * sizeof *found))
+            return -1.0;
+        for (int i = 0; i < 1000; i++) {
+            const double off = ulps_off(found[0][i], sinl(angle[i])), too = ulps_off(found[1][i], cosl(angle[i]));
+            worst = fmax(worst, fmax(off, too));
+        }
+    }
+    return worst;
+}
+
+/* Choose the compiled variant; whether the wide one is in use afterwards. */
+int probe_use_avx2(Probe *probe, int wanted)
+{
+    probe->model.variant = wanted && processor_has_avx2() ? &AVX2 : &PORTABLE;
+    return probe->model.variant == &AVX2;
 }
 
 void probe_derivatives(Probe *probe, const double *x, const double *u, double *derivative)

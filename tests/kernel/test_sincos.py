@@ -113,3 +113,12 @@ def test_both_compiled_variants_give_the_same_bits(library: ctypes.CDLL) -> None
     wide = np.full_like(x, np.nan), np.full_like(x, np.nan)
     if library.probe_sincos_avx2(len(x), x, *wide):
         assert all(a.tobytes() == b.tobytes() for a, b in zip(sincos(library, x), wide, strict=True))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 60, reason="needs a long double with more digits than a double")
+@pytest.mark.parametrize(("reach", "seed"), [(RANGE, 1), (RANGE, 2), (100.0, 3), (np.pi, 4)])
+def test_error_and_bits_over_a_hundred_million_arguments(library: ctypes.CDLL, reach: float, seed: int) -> None:
+    """25 million each: against the platform's long double functions, and both variants against each other."""
+    worst = library.probe_sincos_worst(25_000, reach, seed)
+    assert 0.5 <= worst < ULP

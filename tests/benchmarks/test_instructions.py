@@ -1,0 +1,81 @@
+"""What a right-hand side costs in instructions: counted by callgrind, the same on every run, and not to grow unseen."""
+
+from __future__ import annotations
+
+import json
+import platform
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.kernel.library import toolchain
+
+pytestmark = [
+    pytest.mark.system,  # valgrind
+    pytest.mark.skipif(platform.machine() != "x86_64", reason="the counts are those of x86-64 instructions"),
+]
+
+COUNTS = Path(__file__).parents[1] / "data" / "instructions.json"
+"""Instructions per link; `python -m tests.benchmarks.test_instructions` measures and writes them anew."""
+MARGIN = 1.03
+"""The counts repeat exactly on one machine; another one's string functions in set-up differ, not these."""
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return compile_program(tmp_path_factory.mktemp("count"))
+
+
+def compile_program(folder: Path) -> Path:
+    recipe = toolchain()
+    path = folder / "count"
+    flags = [flag for flag in recipe.RELEASE if flag not in ("-shared", "-s")]
+    sources = [Path(__file__).with_name("count.c"), *recipe.kernel_sources()]
+    recipe.compile_library(path, sources, flags, target=recipe.TARGETS["x86_64-linux"][0])
+    return path
+
+
+def per_link(program: Path, links: int, features: str) -> float:
+    """Instructions of one evaluation per link: the difference between 30 and 10 evaluations."""
+
+    def total(times: int) -> int:
+        command = [
+            "valgrind",
+            "--tool=callgrind",
+            "--callgrind-out-file=/dev/null",
+            program,
+            str(links),
+            str(times),
+            features,
+        ]
+        done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=True)
+        found = re.search(r"Collected : (\d+)", done.stderr)
+        assert found, done.stderr
+        return int(found[1])
+
+    return (total(30) - total(10)) / 20 / links
+
+
+@pytest.mark.parametrize("case", json.loads(COUNTS.read_text(encoding="utf-8")))
+def test_a_right_hand_side_costs_no_more_than_it_did(program: Path, case: dict[str, float | str]) -> None:
+    found = per_link(program, int(case["links"]), str(case["features"]))
+    assert found < MARGIN * float(case["per_link"])
+
+
+def test_what_a_cable_does_not_have_costs_nothing(program: Path) -> None:
+    """Air is cheaper than water, no springs cheaper than springs, no dampers cheaper than dampers."""
+    whole, dry, slack, undamped = (per_link(program, 120, features) for features in ("wkc", "kc", "wc", "wk"))
+    assert dry < whole and slack < whole and undamped < whole
+
+
+if __name__ == "__main__":
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        made = compile_program(Path(folder))
+        cases = [(n, f) for n in (12, 120, 1000) for f in ("wkc", "")]
+        rows = [{"links": n, "features": f, "per_link": round(per_link(made, n, f), 1)} for n, f in cases]
+    COUNTS.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    print(COUNTS.read_text(encoding="utf-8"))
