@@ -9,7 +9,7 @@ typedef struct {
     Instance *instance;
     fmi2CallbackLogger logger; /* copied: the host's struct is valid during fmi2Instantiate only */
     fmi2ComponentEnvironment environment;
-    char *name;
+    char name[]; /* likewise */
 } Component;
 
 static fmi2Status fmi2_status(Status status)
@@ -49,13 +49,6 @@ static Instance *legal(fmi2Component c, unsigned modes, const char *call)
     return instance_allows(component->instance, modes, call) ? component->instance : NULL;
 }
 
-static void free_component(Component *component)
-{
-    if (component->instance) instance_free(component->instance);
-    free(component->name);
-    free(component);
-}
-
 const char *fmi2GetTypesPlatform(void)
 {
     return fmi2TypesPlatform;
@@ -74,32 +67,43 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
     return c ? fmi2OK : fmi2Error;
 }
 
+/* What is known of the host before there is an instance; NULL, and the host told, without memory. */
+static Component *component_new(const char *name, const fmi2CallbackFunctions *functions)
+{
+    const size_t length = strlen(name) + 1;
+    Component *component = calloc(1, sizeof *component + length);
+    if (component) {
+        memcpy(component->name, name, length);
+        if (!functions) return component;
+        component->logger = functions->logger;
+        component->environment = functions->componentEnvironment;
+    } else if (functions && functions->logger) {
+        functions->logger(functions->componentEnvironment, name, fmi2Error, "logStatusError", "out of memory");
+    }
+    return component;
+}
+
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn)
 {
     (void)visible, (void)loggingOn;
-    Component *component = calloc(1, sizeof *component);
+    Component *component = component_new(instanceName ? instanceName : "", functions);
     if (!component) return NULL;
-    if (functions) {
-        component->logger = functions->logger;
-        component->environment = functions->componentEnvironment;
-    }
-    const char *name = instanceName ? instanceName : "";
-    component->name = calloc(strlen(name) + 1, 1);
-    if (component->name) strcpy(component->name, name);
-
     const Host host = {component, log_message, NULL};
     const Interface interface = fmuType == fmi2CoSimulation ? CO_SIMULATION : MODEL_EXCHANGE;
-    if (component->name) component->instance = instance_new(interface, fmuGUID, fmuResourceLocation, host);
+    component->instance = instance_new(interface, fmuGUID, fmuResourceLocation, host);
     if (component->instance) return component;
-    free_component(component);
+    free(component);
     return NULL;
 }
 
 void fmi2FreeInstance(fmi2Component c)
 {
-    if (c) free_component(c);
+    Component *component = c;
+    if (!component) return;
+    instance_free(component->instance);
+    free(component);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,

@@ -54,7 +54,10 @@ static Instance *legal(fmi3Instance c, unsigned modes, const char *call)
 static fmi3Instance instantiate(Component blank, Interface interface, fmi3String token, fmi3String resource_path)
 {
     Component *component = malloc(sizeof *component);
-    if (!component) return NULL;
+    if (!component) {
+        log_message(&blank, STATUS_ERROR, "out of memory");
+        return NULL;
+    }
     *component = blank;
     const Host host = {component, log_message, blank.intermediate_update ? ask_host : NULL};
     component->instance = instance_new(interface, token, resource_path, host);
@@ -157,7 +160,7 @@ fmi3Status fmi3Terminate(fmi3Instance c)
 
 fmi3Status fmi3Reset(fmi3Instance c)
 {
-    Instance *instance = legal(c, MODE_ANY, "fmi3Reset");
+    Instance *instance = legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3Reset");
     return instance ? fmi3_status(instance_reset(instance)) : fmi3Error;
 }
 

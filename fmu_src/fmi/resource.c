@@ -1,5 +1,6 @@
 #include "resource.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -69,15 +70,17 @@ static bool fail(Text *why, const char *path, const char *what)
     return false;
 }
 
-static bool read_all(FILE *file, Resource *resource)
+/* NULL, or what went wrong. */
+static const char *read_all(FILE *file, Resource *resource)
 {
-    if (fseek(file, 0, SEEK_END) != 0) return false;
+    static const char UNREADABLE[] = "cannot be read";
+    if (fseek(file, 0, SEEK_END) != 0) return UNREADABLE;
     const long size = ftell(file);
-    if (size < 0 || size > MOST_BYTES || fseek(file, 0, SEEK_SET) != 0) return false;
+    if (size < 0 || size > MOST_BYTES || fseek(file, 0, SEEK_SET) != 0) return UNREADABLE;
     resource->bytes = malloc(size ? (size_t)size : 1u);
-    if (!resource->bytes) return false;
+    if (!resource->bytes) return "out of memory";
     resource->size = fread(resource->bytes, 1, (size_t)size, file);
-    return resource->size == (size_t)size;
+    return resource->size == (size_t)size ? NULL : UNREADABLE;
 }
 
 static uint32_t word_at(const uint8_t *bytes, size_t offset)
@@ -152,10 +155,10 @@ static bool variables_are_sane(const Resource *resource)
 static bool read_file(Resource *resource, const char *path, Text *why)
 {
     FILE *file = fopen(path, "rb");
-    if (!file) return fail(why, path, "cannot be opened");
-    const bool complete = read_all(file, resource);
+    if (!file) return fail(why, path, errno == ENOMEM ? "out of memory" : "cannot be opened");
+    const char *trouble = read_all(file, resource);
     fclose(file);
-    if (!complete) return fail(why, path, "cannot be read");
+    if (trouble) return fail(why, path, trouble);
     if (!lay_out(resource)) return fail(why, path, "is not a cable of this version, or is damaged");
     if (!values_are_sane(resource) || !variables_are_sane(resource)) return fail(why, path, "holds impossible values");
     return true;
@@ -164,7 +167,7 @@ static bool read_file(Resource *resource, const char *path, Text *why)
 bool resource_read(Resource *resource, const char *directory, Text *why)
 {
     memset(resource, 0, sizeof *resource);
-    if (!directory) return fail(why, "(none)", "the host gave no resource location");
+    if (!directory || !*directory) return fail(why, "(none)", "the host gave no resource location");
     char *path = resource_path(directory);
     if (!path) return fail(why, directory, "out of memory");
     const bool good = read_file(resource, path, why);

@@ -6,14 +6,23 @@
 void text_start(Text *text)
 {
     text->used = 0;
+    text->full = false;
     text->line[0] = '\0';
+}
+
+/* How much of the string fits, not ending within a character of UTF-8, which a host could not decode. */
+static size_t whole_characters(const char *string, size_t room)
+{
+    while (room && ((unsigned char)string[room] & 0xC0u) == 0x80u) room--;
+    return room;
 }
 
 void text_add(Text *text, const char *string)
 {
-    if (!string) return;
+    if (!string || text->full) return;
     const size_t room = sizeof text->line - 1 - text->used, wanted = strlen(string);
-    const size_t taken = wanted < room ? wanted : room;
+    text->full = wanted > room;
+    const size_t taken = text->full ? whole_characters(string, room) : wanted;
     memcpy(text->line + text->used, string, taken);
     text->used += taken;
     text->line[text->used] = '\0';

@@ -1,16 +1,18 @@
 /*
  * Messages without printf: the host's locale must not turn a point into a comma, and a message that is
- * too long is cut, not overrun.
+ * too long is cut behind a whole character, not overrun.
  */
 #ifndef CABLE_TEXT_H
 #define CABLE_TEXT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 typedef struct {
     char line[512];
     size_t used;
+    bool full; /* something was cut; nothing is added any more */
 } Text;
 
 void text_start(Text *text);
