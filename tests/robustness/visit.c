@@ -1,0 +1,65 @@
+#include "visit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void open_account(Account *account, FILE *out)
+{
+    memset(account, 0, sizeof *account);
+    account->hash = 14695981039346656037u;
+    account->out = out;
+}
+
+static void note_bytes(Account *account, const void *bytes, size_t count)
+{
+    const unsigned char *byte = bytes;
+    for (size_t k = 0; k < count; k++) account->hash = (account->hash ^ byte[k]) * 1099511628211u;
+}
+
+void note_status(Account *account, int status)
+{
+    note_bytes(account, &status, sizeof status);
+}
+
+void note_values(Account *account, const double *value, size_t count)
+{
+    note_bytes(account, value, count * sizeof *value);
+}
+
+void note_message(Account *account, int status, const char *message)
+{
+    note_status(account, status);
+    note_bytes(account, message, strlen(message));
+    if (strlen(message) >= sizeof account->message) give_up("a message is too long", message);
+    strcpy(account->message, message);
+    account->messages++;
+    if (account->out) fprintf(account->out, "%s\n", message);
+}
+
+void note_step(Account *account, int k)
+{
+    if (account->out) fprintf(account->out, "%d %016llx\n", k, (unsigned long long)account->hash);
+}
+
+_Noreturn void give_up(const char *what, const char *detail)
+{
+    fprintf(stderr, "host: %s: %s\n", what, detail);
+    exit(1);
+}
+
+void must_be_ok(Visit *visit, int status, const char *call)
+{
+    note_status(&visit->account, status);
+    if (status != 0) give_up(call, visit->account.message);
+}
+
+void must_be_refused(Visit *visit, int status, const char *call)
+{
+    note_status(&visit->account, status);
+    if (status != 3) give_up("not refused", call);
+}
+
+double force_at(int k)
+{
+    return 100.0 * (k * 7 % 11 - 5);
+}
