@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import cablefmu
 from tests.kernel.library import PROBE, toolchain
 from tests.robustness.building import GCC, compile_with_gcc, copy_of_sources, run
 
@@ -148,9 +149,8 @@ def sanitized_package(tmp_path_factory: pytest.TempPathFactory) -> Callable[[lis
 
     def build(sources: list[Path]) -> Path:
         folder = tmp_path_factory.mktemp("package")
-        shutil.copytree(ROOT / "models", folder, dirs_exist_ok=True)
-        binaries = folder / "cablefmu" / "binaries"
-        (library,) = binaries.glob("*-linux/*.so")
+        package = shutil.copytree(Path(cablefmu.__file__).parent, folder / "cablefmu")
+        (library,) = package.glob("binaries/*-linux/*.so")
         compile_sanitized(library, sources, "-fvisibility=hidden")
         return folder
 

@@ -27,6 +27,8 @@ static void ask(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boole
     must_be_refused(visit, (int)fmi3GetFloat64(visit->component, &reference, 1, &value, 1), "reading inside a step");
     must_be_refused(visit, (int)fmi3Reset(visit->component), "fmi3Reset inside a step");
     must_be_refused(visit, (int)fmi3Terminate(visit->component), "fmi3Terminate inside a step");
+    must_be_refused(visit, (int)fmi3DoStep(visit->component, time, STEP, true, NULL, NULL, NULL, NULL),
+                    "a step inside a step");
 }
 
 static bool open_cosimulation(Visit *visit, fmi3IntermediateUpdateCallback update)
