@@ -6,7 +6,7 @@ Three limits stand in for what the model does not have:
   that is not balanced over `FIXED`, which adds to g: below 1e-10 m/s^2 for the 1e5 N of the heaviest case here.
   Small motions about the vertical do not move it at all, as I_1,j+1 ~ sin th_j [5.1].
 * A **free end** is a load of `NOTHING` kg (a mass must be above 0). It changes squared frequencies by about its
-  share of what moves, some n NOTHING over the cable's mass: below 1e-13 here.
+  share of what moves, some n NOTHING over the cable's mass: below 1e-11 here.
 * A **floater that is not there** has `NOTHING` kg likewise, no spring and no static load.
 """
 
@@ -31,7 +31,7 @@ GRAVITY = 9.81
 """[m/s^2]"""
 FIXED = 1e15
 """Mass of a floater that does not move [kg]"""
-NOTHING = 1e-14
+NOTHING = 1e-12
 """Mass of a load or floater that is not there [kg]"""
 
 

@@ -48,7 +48,7 @@ def _frequencies(axes: Axes, library: ctypes.CDLL) -> None:
         axes.loglog(links, leading_error(lam, 0.0) / links**2, color=line.get_color(), linewidth=0.8)
     axes.set(
         xlabel="links",
-        ylabel="frequency over that of the flexible chain, less 1",
+        ylabel="relative error of the frequency",
         title="Points: kernel. Lines: derived c/n²",
     )
 

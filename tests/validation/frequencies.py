@@ -110,7 +110,7 @@ def _rods(chain: Chain) -> Section:
         "The same model, so nothing but rounding: the eigenvalue problem loses the ratio of the largest "
         "squared pulsation to the one in question, 1e5 at 120 links, so 1e-11; differences over 1e-8 rad "
         "leave less. The tolerance is 1e-10 of the value and the table's last digit. Fixed top and free end "
-        "are exact to 1e-13.",
+        "are exact to 1e-11.",
         _exact(chain, "rigid_rod_chain", False),
     )
 

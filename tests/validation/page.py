@@ -30,7 +30,7 @@ a formula that knows nothing of our result, and the tolerance applies to what is
 it. Nothing is fitted. "below" means below the tolerance: such differences are rounding, and not the same on
 every processor.
 
-The model's top always heaves. A fixed top is a floater of 1e15 kg, a free end a load of 1e-14 kg; what that
+The model's top always heaves. A fixed top is a floater of 1e15 kg, a free end a load of 1e-12 kg; what that
 changes is said in `tests/validation/cables.py`, and lies below all tolerances.
 """
 

@@ -29,7 +29,10 @@ def terminal_speed() -> float:
 
 
 def depths(times: Floats) -> tuple[Floats, Floats]:
-    """Depth [m] and speed [m/s] of a body that falls against c v^2: v = V tanh(t/s), s = V over the first acceleration."""
+    """Depth [m] and speed [m/s], at `times` [s], of a body that falls from rest against c v^2.
+
+    v = V tanh(t/s), where s is V over the first acceleration.
+    """
     speed = terminal_speed()
     settling = speed / (GRAVITY * (1.0 - WATER / STEEL))
     return speed * settling * np.log(np.cosh(times / settling)), speed * np.tanh(times / settling)
@@ -52,7 +55,7 @@ def _sinking(library: ctypes.CDLL) -> Section:
         "A level cable sinks",
         "v = V tanh(t/s), V = sqrt(2w/(rho C_d D)), s = V/(g (1 - rho_w/rho)): a body falling against the "
         "square of its speed, any textbook. D = 2 cm, steel, C_d = 1.",
-        "The same model: 12 links released level, free at both ends (1e-14 kg there), drag normal to the "
+        "The same model: 12 links released level, free at both ends (1e-12 kg there), drag normal to the "
         "links, no added mass. The tolerance is ten times the solver's.",
         tuple(checks),
     )
