@@ -150,7 +150,7 @@ def _tensions(library: ctypes.CDLL, rows: list[Row]) -> Section:
         SOURCE,
         "Both ports of 1e15 kg; the kernel's tensions of the rest shape. Besides the shift of (H, V) above, "
         "the print's tension is that along the link, off the pull by the half-link turn phi = (w l/2) H/T²: "
-        "less by T phi²/2. The tolerance is the next term, 4 phi of the derived parts, with those of the "
-        "section above.",
+        "less by T phi²/2. The tolerance is the next term, 4 phi (the four is our choice) of the derived "
+        "parts, with those of the section above.",
         tuple(checks),
     )

@@ -61,7 +61,7 @@ AMPLITUDE = 1e-3
 
 
 def leading_error(lam: float, ratio: float) -> float:
-    """c of lambda_n = lambda (1 + c / n^2 + O(n^-4)) for rods, from the continuous chain's shape alone.
+    """c of lambda_n = lambda (1 + c / n^2 + ...) for rods, from the continuous chain's shape alone.
 
     Joints joined by straight rods are linear finite elements: the rods' kinetic energy is that of the
     piecewise linear shape, and as the pull T is linear along a link, so is the potential energy 1/2 int T y'^2.
@@ -165,11 +165,12 @@ def _loaded(chain: Chain) -> Section:
 
 
 _CONVERGING = (
-    "A chain of rods is a linear finite-element model of the flexible one, always too fast, by the share "
-    "c/n² + O(n⁻⁴) with c = int T y''² / (24 lambda² (int y² + r y_end²)) of the continuous shape. The "
-    "tolerance is the term after that, which for a uniform string is x²/80 of the first, x being the phase "
-    "across a link; here we take five times that with the x of the lowest link, where the pull is least and "
-    "changes along the link, and the last digit of the table."
+    "A chain of rods is a linear finite-element model of the flexible one, always too fast, to leading "
+    "order by the share c/n² with c = int T y''² / (24 lambda² (int y² + r y_end²)) of the continuous "
+    "shape. The next term is, for a uniform string, x²/80 of the first, x being the phase across a link. "
+    "The tolerance takes the x of the lowest link, where the pull is least, and five times as much, and the "
+    "last digit of the table; the five is our choice, as the pull of a chain without load vanishes at its "
+    "end, and its remainder falls more slowly than a string's."
 )
 
 

@@ -21,13 +21,14 @@ _HEAD = """\
 <!-- Written by `python -m tests.validation.page`; tests/validation/test_page.py compares it. -->
 
 The kernel that every FMU contains, beside numbers that do not come from this project's code: classical
-solutions, tabulated functions, textbook formulas. The tests in `tests/validation/` hold every row (and the rows
+solutions, tabulated functions, textbook formulas. The tables in `tests/data/` were evaluated from classical
+solutions by other means; their first lines say how. The tests in `tests/validation/` hold every row (and the rows
 of the tables left out here) within its tolerance. `PYTHONPATH=models python -m tests.validation.page` writes
 this page.
 
 Where the source treats another model (a smooth line, point masses), the expected difference is **derived** from
 a formula that knows nothing of our result, and the tolerance applies to what is left of the difference without
-it. Nothing is fitted. "below" means below the tolerance: such differences are rounding, and not the same on
+it. Nothing of the difference is fitted; where a factor in a tolerance is our choice, it is called so. "below" means below the tolerance: such differences are rounding, and not the same on
 every processor.
 
 The model's top always heaves. A fixed top is a floater of 1e15 kg, a free end a load of 1e-12 kg; what that
