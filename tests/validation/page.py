@@ -28,8 +28,8 @@ this page.
 
 Where the source treats another model (a smooth line, point masses), the expected difference is **derived** from
 a formula that knows nothing of our result, and the tolerance applies to what is left of the difference without
-it. Nothing of the difference is fitted; where a factor in a tolerance is our choice, it is called so. "below" means below the tolerance: such differences are rounding, and not the same on
-every processor.
+it. Nothing of the difference is fitted; where a factor in a tolerance is our choice, it is called so.
+"below" means below the tolerance: such differences are rounding, and not the same on every processor.
 
 The model's top always heaves. A fixed top is a floater of 1e15 kg, a free end a load of 1e-12 kg; what that
 changes is said in `tests/validation/cables.py`, and lies below all tolerances.
