@@ -13,18 +13,21 @@
 
 #include "scarce.h"
 
+/* Relaxed: a stronger order would order the threads, and so hide their races from the detector. */
+enum { ORDER = memory_order_relaxed };
 static atomic_long countdown, in_use;
 
 static bool refused(void)
 {
-    if (atomic_load(&countdown) == 0 || atomic_fetch_sub(&countdown, 1) != 1) return false;
+    if (atomic_load_explicit(&countdown, ORDER) == 0) return false;
+    if (atomic_fetch_sub_explicit(&countdown, 1, ORDER) != 1) return false;
     errno = ENOMEM;
     return true;
 }
 
 static void *counted(void *got)
 {
-    if (got) atomic_fetch_add(&in_use, 1);
+    if (got) atomic_fetch_add_explicit(&in_use, 1, ORDER);
     return got;
 }
 
@@ -40,7 +43,7 @@ void *scarce_calloc(size_t count, size_t size)
 
 void scarce_free(void *block)
 {
-    if (block) atomic_fetch_sub(&in_use, 1);
+    if (block) atomic_fetch_sub_explicit(&in_use, 1, ORDER);
     free(block);
 }
 
@@ -51,7 +54,7 @@ FILE *scarce_fopen(const char *path, const char *mode)
 
 int scarce_fclose(FILE *file)
 {
-    atomic_fetch_sub(&in_use, 1);
+    atomic_fetch_sub_explicit(&in_use, 1, ORDER);
     return fclose(file);
 }
 
