@@ -7,7 +7,7 @@
  *   scarce       each request for memory refused in turn
  *   growth       NUMBER times instantiate, reset and free
  *
- * Exits with 0 if every comparison holds, else says what does not. C's locale is set first.
+ * Exits with 0 if every comparison holds, else says what does not. The locale is set before all else.
  */
 #include <locale.h>
 #include <pthread.h>
