@@ -133,9 +133,10 @@ static bool values_are_sane(const Resource *resource)
     for (const double *value = resource->parameter; value < (const double *)(const void *)resource->variable; value++)
         if (!isfinite(*value)) return false;
     for (size_t i = 0; i < n; i++) {
-        if (!(resource->link[LINK_LENGTH * n + i] > 0.0) || !(resource->link[LINK_MASS * n + i] > 0.0)) return false;
-        for (size_t column = LINK_INERTIA; column < LINK_COLUMNS; column++)
-            if (resource->link[column * n + i] < 0.0) return false;
+        for (size_t column = 0; column < LINK_COLUMNS; column++) {
+            const double value = resource->link[column * n + i];
+            if (column <= LINK_INERTIA ? !(value > 0.0) : value < 0.0) return false; /* length, mass, inertia */
+        }
     }
     return true;
 }

@@ -1,6 +1,6 @@
 """`python -m tests.benchmarks [PYTHON]`: measure, write build/benchmarks.json, print the README's tables.
 
-PYTHON is an interpreter that has the peers: `pip install mujoco pin dartpy` in an environment of its own.
+PYTHON is an interpreter that has the peers: `pip install mujoco pin dartpy moordyn` in an environment of its own.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.benchmarks import rhs, table_6_6
+from tests.benchmarks import overhead, rhs, table_6_6, work_precision
 
 LINKS = 120
 REPEATS = 2_000
@@ -42,15 +42,26 @@ def peers(python: str) -> dict[str, dict[str, object]]:
     return found
 
 
+def moordyn(python: str) -> dict[str, float | str]:
+    """Ten seconds of MoorDyn's own line of as many segments."""
+    script = Path(__file__).with_name("moordyn_peer.py")
+    done = subprocess.run([python, str(script), str(LINKS), "10"], capture_output=True, text=True, check=True)
+    found: dict[str, float | str] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
 def main() -> None:
     results: dict[str, object] = {
         "machine": machine(),
         "versions": {name: version(name) for name in ("cablefmu", "fmpy", "numpy", "ziglang")},
         "per_link": rhs.per_link(),
         "table_6_6": table_6_6.rows(),
+        "work_precision": work_precision.rows(),
+        "overhead": overhead.rows(),
     }
     if len(sys.argv) > 1:
         results["peers"] = peers(sys.argv[1])
+        results["moordyn"] = moordyn(sys.argv[1])
     Path("build").mkdir(exist_ok=True)
     Path("build/benchmarks.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     print_tables(results)
@@ -68,8 +79,18 @@ def print_tables(results: dict[str, object]) -> None:
             f"| {row['links']} | {row['tolerance']:g} | {1e3 * row['seconds']:.1f} | {row['error_m']:.0e} | "
             f"{row['rhs']:.0f} | {row['matlab_seconds']} |"
         )
+    print("\n| 10 s of timing-120 | tolerance | CPU [ms] | error [m] |\n|---|---|---|---|")
+    for row in results["work_precision"]:  # type: ignore[attr-defined]
+        print(f"| {row['solver']} | {row['tolerance']:g} | {1e3 * row['seconds']:.1f} | {row['error_m']:.0e} |")
+    print("\n| overhead | seconds |\n|---|---|")
+    for row in results["overhead"]:  # type: ignore[attr-defined]
+        print(f"| {row['what']} | {row['seconds']:.2g} |")
     if "peers" not in results:
         return
+    peer_line: dict[str, float | str] = results["moordyn"]  # type: ignore[assignment]
+    print(
+        f"\nMoorDyn {peer_line['version']}, its own line: {1e3 * float(peer_line['seconds']):.0f} ms at {peer_line['step']} s"
+    )
     found: dict[str, dict[str, float]] = results["peers"]  # type: ignore[assignment]
     own = found["cablefmu"]["seconds"]
     print("\n| forward dynamics of 120 links | version | us | times ours |\n|---|---|---|---|")
