@@ -88,9 +88,8 @@ def print_tables(results: dict[str, object]) -> None:
     if "peers" not in results:
         return
     peer_line: dict[str, float | str] = results["moordyn"]  # type: ignore[assignment]
-    print(
-        f"\nMoorDyn {peer_line['version']}, its own line: {1e3 * float(peer_line['seconds']):.0f} ms at {peer_line['step']} s"
-    )
+    cost = 1e3 * float(peer_line["seconds"])
+    print(f"\nMoorDyn {peer_line['version']}, its own line: {cost:.0f} ms at {peer_line['step']} s")
     found: dict[str, dict[str, float]] = results["peers"]  # type: ignore[assignment]
     own = found["cablefmu"]["seconds"]
     print("\n| forward dynamics of 120 links | version | us | times ours |\n|---|---|---|---|")
