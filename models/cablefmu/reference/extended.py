@@ -1,6 +1,7 @@
 """The same dense equation in as many digits as one likes, for ends too heavy for doubles.
 
-An end of 8e8 kg leaves a dense solution in doubles seven good digits (docs/numerics.md); here nothing is lost. The formulas are the float reference's, the numbers mpmath's.
+An end of 8e8 kg leaves a dense solution in doubles seven good digits (docs/numerics.md); here nothing is lost.
+The formulas are the float reference's, the numbers mpmath's or numpy's long doubles.
 """
 
 from __future__ import annotations
