@@ -111,6 +111,19 @@ def _value_attributes(variable: Variable) -> dict[str, str]:
     return attributes
 
 
+def _identity(variable: Variable) -> dict[str, str]:
+    """What both versions say of the variable itself."""
+    initial = {"initial": variable.initial} if variable.initial else {}
+    return {
+        "name": variable.name,
+        "valueReference": str(variable.reference),
+        "description": variable.description,
+        "causality": variable.causality,
+        "variability": variable.variability,
+        **initial,
+    }
+
+
 def _of_kind(variables: Iterable[Variable], kind: Kind) -> list[Variable]:
     return [variable for variable in variables if variable.kind is kind]
 
@@ -159,16 +172,7 @@ def _fmi2(
     place = {variable.reference: str(k) for k, variable in enumerate(variables, start=1)}
     listing = ET.SubElement(root, "ModelVariables")
     for variable in variables:
-        attributes = {
-            "name": variable.name,
-            "valueReference": str(variable.reference),
-            "description": variable.description,
-            "causality": variable.causality,
-            "variability": variable.variability,
-        }
-        if variable.initial:
-            attributes["initial"] = variable.initial
-        element = ET.SubElement(listing, "ScalarVariable", attributes)
+        element = ET.SubElement(listing, "ScalarVariable", _identity(variable))
         real = _value_attributes(variable)
         if variable.derivative_of is not None:
             real["derivative"] = place[variable.derivative_of]
@@ -224,17 +228,9 @@ def _fmi3(
     _add_experiment(root, experiment)
     listing = ET.SubElement(root, "ModelVariables")
     for variable in variables:
-        attributes = {
-            "name": variable.name,
-            "valueReference": str(variable.reference),
-            "description": variable.description,
-            "causality": variable.causality,
-            "variability": variable.variability,
-        }
+        attributes = _identity(variable)
         if variable.kind is Kind.INPUT:
             attributes["intermediateUpdate"] = "true"
-        if variable.initial:
-            attributes["initial"] = variable.initial
         if variable.derivative_of is not None:
             attributes["derivative"] = str(variable.derivative_of)
         ET.SubElement(listing, "Float64", {**attributes, **_value_attributes(variable)})
