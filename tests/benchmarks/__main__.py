@@ -1,6 +1,6 @@
 """`python -m tests.benchmarks [PYTHON]`: measure, write build/benchmarks.json, print the README's tables.
 
-PYTHON is an interpreter that has the peers: `pip install mujoco pin dartpy moordyn` in an environment of its own.
+PYTHON is an interpreter that has the peers: `pip install mujoco pin dartpy moordyn scipy` in an environment of its own.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from tests.benchmarks import overhead, rhs, table_6_6, work_precision
 
 LINKS = 120
 REPEATS = 2_000
+SPAN = 10.0
+"""Of the peers' motions [s]."""
 
 
 def machine() -> str:
@@ -30,14 +32,20 @@ def machine() -> str:
 def peers(python: str) -> dict[str, dict[str, object]]:
     """What the libraries need for the same chain, after a look that they solve the same chain."""
     script = Path(__file__).with_name("peers.py")
-    done = subprocess.run([python, str(script), str(LINKS), str(REPEATS)], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [python, str(script), str(LINKS), str(REPEATS), str(SPAN)], capture_output=True, text=True, check=True
+    )
     found: dict[str, dict[str, object]] = json.loads(done.stdout)
-    own = rhs.single(LINKS)
+    own = rhs.single(LINKS, SPAN)
     for name, peer in found.items():
         difference = np.max(np.abs(np.subtract(peer.pop("accelerations"), own["accelerations"])))  # type: ignore[call-overload]
         if not difference < 1e-6:
             raise SystemExit(f"{name} solves another chain: accelerations differ by {difference}")
-    found["cablefmu"] = {"version": version("cablefmu"), "seconds": own["seconds"]}
+    found["cablefmu"] = {"version": version("cablefmu"), "seconds": own["seconds"], "motions": own["motions"][:-1]}
+    exact = own["motions"][-1]["end"]
+    for peer in found.values():
+        for motion in peer["motions"]:  # type: ignore[attr-defined]
+            motion["error_m"] = float(np.max(np.abs(np.subtract(motion["end"], exact))))
     found["dense NumPy (cablefmu.reference)"] = {"version": np.__version__, "seconds": own["dense_seconds"]}
     return found
 
@@ -73,11 +81,12 @@ def print_tables(results: dict[str, object]) -> None:
     print("| links | variant | ns per link |\n|---|---|---|")
     for row in results["per_link"]:  # type: ignore[attr-defined]
         print(f"| {row['links']} | {row['variant']} | {row['ns_per_link']:.1f} |")
-    print("\n| links | tolerance | ours [ms] | error [m] | right-hand sides | MATLAB [s] |\n|---|---|---|---|---|---|")
+    titles = ("links", "tolerance", "ours [ms]", "error [m]", "right-hand sides", "dense NumPy [s]", "MATLAB [s]")
+    print(f"\n| {' | '.join(titles)} |\n|{'---|' * len(titles)}")
     for row in results["table_6_6"]:  # type: ignore[attr-defined]
         print(
             f"| {row['links']} | {row['tolerance']:g} | {1e3 * row['seconds']:.1f} | {row['error_m']:.0e} | "
-            f"{row['rhs']:.0f} | {row['matlab_seconds']} |"
+            f"{row['rhs']:.0f} | {row['dense_seconds']:.2g} | {row['matlab_seconds']} |"
         )
     print("\n| 10 s of timing-120 | tolerance | CPU [ms] | error [m] |\n|---|---|---|---|")
     for row in results["work_precision"]:  # type: ignore[attr-defined]
@@ -95,6 +104,10 @@ def print_tables(results: dict[str, object]) -> None:
     print("\n| forward dynamics of 120 links | version | us | times ours |\n|---|---|---|---|")
     for name, peer in sorted(found.items(), key=lambda item: item[1]["seconds"]):
         print(f"| {name} | {peer['version']} | {1e6 * peer['seconds']:.1f} | {peer['seconds'] / own:.1f} |")
+    print(f"\n| {SPAN:g} s of the same chain | setting | CPU [ms] | error [m] |\n|---|---|---|---|")
+    for name, peer in found.items():
+        for motion in peer.get("motions", []):  # type: ignore[attr-defined]
+            print(f"| {name} | {motion['setting']} | {1e3 * motion['seconds']:.1f} | {motion['error_m']:.0e} |")
 
 
 if __name__ == "__main__":

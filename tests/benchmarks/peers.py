@@ -1,8 +1,10 @@
 """Forward dynamics of the same chain in rigid-body libraries from PyPI; run by an interpreter that has them.
 
-`PYTHON tests/benchmarks/peers.py N REPEATS` prints one JSON line: per library its version, the seconds per evaluation
-(with the positions set anew, so that nothing is remembered) and the accelerations, to see that all solve the
-same chain: heave [m/s^2] and absolute angles [rad/s^2]. Imports nothing of cablefmu but chain.py beside it.
+`PYTHON tests/benchmarks/peers.py N REPEATS SECONDS` prints one JSON line: per library its version, the seconds per
+evaluation (with the positions set anew, so that nothing is remembered), the accelerations, to see that all solve the
+same chain, heave [m/s^2] and absolute angles [rad/s^2], and a ladder of motions over SECONDS: its setting, CPU seconds
+and where the load ends [m]. pinocchio and DART have no integrator with error control: scipy's DOP853 drives them.
+Imports nothing of cablefmu but chain.py beside it.
 """
 
 from __future__ import annotations
@@ -41,7 +43,31 @@ def absolute(accelerations: list[float]) -> list[float]:
     return [accelerations[0], *accumulate(accelerations[1:])]
 
 
-def with_pinocchio(c: Chain, repeats: int) -> Result:
+def end_of_chain(c: Chain, q: Any) -> list[float]:
+    """(x_c, y_c) of (heave, joint angles) [m]."""
+    theta = np.cumsum(np.asarray(q)[1:])
+    return [float(c.length * np.sin(theta).sum()), float(q[0] + c.length * np.cos(theta).sum())]
+
+
+def by_dop853(c: Chain, q: Any, v: Any, seconds: float, acceleration: Callable[[Any, Any], Any]) -> list[Result]:
+    """Motions at three tolerances."""
+    from scipy.integrate import solve_ivp
+
+    size, ladder = len(q), []
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        begun = time.process_time()
+        done = solve_ivp(
+            lambda t, x: np.concatenate([x[size:], acceleration(x[:size], x[size:])]),
+            (0.0, seconds), np.concatenate([q, v]), method="DOP853", rtol=tolerance, atol=tolerance,
+        )  # fmt: skip
+        spent = time.process_time() - begun
+        ladder.append(
+            {"setting": f"DOP853, {tolerance:g}", "seconds": spent, "end": end_of_chain(c, done.y[:size, -1])}
+        )
+    return ladder
+
+
+def with_pinocchio(c: Chain, repeats: int, span: float) -> Result:
     """Articulated-body algorithm. With x right and y down, z points into the page and theta turns about -z."""
     import pinocchio as pin
 
@@ -62,10 +88,11 @@ def with_pinocchio(c: Chain, repeats: int) -> Result:
     tau = np.zeros(model.nv)
     found = pin.aba(model, data, q, v, tau).tolist()
     cost = seconds(lambda: pin.aba(model, data, q, v, tau), repeats)
-    return {"version": pin.__version__, "seconds": cost, "accelerations": absolute(found)}
+    motions = by_dop853(c, q, v, span, lambda q, v: pin.aba(model, data, q, v, tau))
+    return {"version": pin.__version__, "seconds": cost, "accelerations": absolute(found), "motions": motions}
 
 
-def with_dart(c: Chain, repeats: int) -> Result:
+def with_dart(c: Chain, repeats: int, span: float) -> Result:
     """Articulated-body algorithm of DART."""
     import dartpy as dart
 
@@ -96,12 +123,18 @@ def with_dart(c: Chain, repeats: int) -> Result:
         skeleton.setVelocities(v)
         skeleton.computeForwardDynamics()
 
-    evaluate()
-    found = skeleton.getAccelerations().tolist()
-    return {"version": dart.__version__, "seconds": seconds(evaluate, repeats), "accelerations": absolute(found)}
+    def acceleration(q: Any, v: Any) -> Any:
+        skeleton.setPositions(q)
+        skeleton.setVelocities(v)
+        skeleton.computeForwardDynamics()
+        return skeleton.getAccelerations()
+
+    found, cost = acceleration(q, v).tolist(), seconds(evaluate, repeats)
+    motions = by_dop853(c, q, v, span, acceleration)
+    return {"version": dart.__version__, "seconds": cost, "accelerations": absolute(found), "motions": motions}
 
 
-def with_mujoco(c: Chain, repeats: int) -> Result:
+def with_mujoco(c: Chain, repeats: int, span: float) -> Result:
     """mj_forward with contacts off."""
     import mujoco
 
@@ -121,18 +154,27 @@ def with_mujoco(c: Chain, repeats: int) -> Result:
     <inertial pos="0 0 0" mass="{c.floater!r}" diaginertia="1 1 1"/>{inner}</body></worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
-    data.qpos[:] = [0.0, *relative(c.theta)]
-    data.qvel[:] = [0.0, *relative(c.omega)]
+    q, v = [0.0, *relative(c.theta)], [0.0, *relative(c.omega)]
+    data.qpos[:], data.qvel[:] = q, v
     mujoco.mj_forward(model, data)
     found = data.qacc.tolist()
     cost = seconds(lambda: mujoco.mj_forward(model, data), repeats)
-    return {"version": mujoco.__version__, "seconds": cost, "accelerations": absolute(found)}
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    motions = []
+    for step in (0.02, 0.01, 0.005, 0.0025):
+        mujoco.mj_resetData(model, data)
+        data.qpos[:], data.qvel[:], model.opt.timestep = q, v, step
+        begun = time.process_time()
+        mujoco.mj_step(model, data, round(span / step))
+        spent = time.process_time() - begun
+        motions.append({"setting": f"its RK4, {step} s", "seconds": spent, "end": end_of_chain(c, data.qpos)})
+    return {"version": mujoco.__version__, "seconds": cost, "accelerations": absolute(found), "motions": motions}
 
 
 def main() -> None:
-    c, repeats = chain(int(sys.argv[1])), int(sys.argv[2])
+    c, repeats, span = chain(int(sys.argv[1])), int(sys.argv[2]), float(sys.argv[3])
     libraries = {"DART": with_dart, "pinocchio": with_pinocchio, "MuJoCo": with_mujoco}
-    print(json.dumps({name: measure(c, repeats) for name, measure in libraries.items()}))
+    print(json.dumps({name: measure(c, repeats, span) for name, measure in libraries.items()}))
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -72,8 +73,8 @@ def per_link() -> list[dict[str, float | str]]:
     return rows
 
 
-def single(n: int) -> dict[str, object]:
-    """Seconds and accelerations of the peers' chain in the kernel, and seconds of the dense reference."""
+def single(n: int, span: float) -> dict[str, Any]:
+    """The peers' chain in the kernel, as peers.py reports it, and seconds of the dense reference."""
     c = chain(n)
     cable = bare_cable(c)
     with tempfile.TemporaryDirectory() as folder:
@@ -81,8 +82,25 @@ def single(n: int) -> dict[str, object]:
         q, v = np.array([0.0, *c.theta]), np.array([0.0, *c.omega])
         found = kernel.acceleration(q, v, {}).tolist()
         cost = seconds(kernel, c, BUDGET // n)
+        motions = [
+            motion(kernel, replace(cable, velocity=v), span, tolerance) for tolerance in (1e-4, 1e-6, 1e-8, 1e-12)
+        ]
     reference = Reference(replace(cable))
     begun = time.perf_counter()
     for _ in range(50):
         reference.acceleration(q, v, {})
-    return {"seconds": cost, "accelerations": found, "dense_seconds": (time.perf_counter() - begun) / 50}
+    dense = (time.perf_counter() - begun) / 50
+    return {"seconds": cost, "accelerations": found, "motions": motions, "dense_seconds": dense}
+
+
+def motion(kernel: Kernel, cable: Cable, span: float, tolerance: float) -> dict[str, Any]:
+    """CPU seconds (best of five) of one motion, and where the load ends [m]."""
+    best, end = float("inf"), np.empty(0)
+    for _ in range(5):
+        kernel.start(0.0, cable.position, cable.velocity, tolerance=tolerance)
+        begun = time.process_time()
+        end = kernel.advance(span, {}).q
+        best = min(best, time.process_time() - begun)
+    length, theta = cable.links.length, end[1:]
+    place = [float(np.sum(length * np.sin(theta))), float(end[0] + np.sum(length * np.cos(theta)))]
+    return {"setting": f"explicit, {tolerance:g}", "seconds": best, "end": place}
