@@ -46,12 +46,21 @@ static inline int first_tip(const Model *model)
  * The sweep inwards goes strip by strip, links from ... to - 1 and their partners, so that what one pass leaves for
  * the next is still in the first cache: 32 links of both ends take some 20 kB.
  */
-enum { STRIP = 32 };
-
 typedef struct {
     int from, to;         /* links at the top */
     int tip_from, tip_to; /* links at the tip, the odd one included */
 } Strip;
+
+/* Where a link's scratch lies: from the top 0 ... STRIP - 1, from the tip behind that. */
+static inline int top_place(Strip strip, int link)
+{
+    return link - strip.from;
+}
+
+static inline int tip_place(Strip strip, int link)
+{
+    return STRIP + (link - strip.tip_from);
+}
 
 static inline Strip strip_at(const Model *model, int from)
 {
@@ -92,13 +101,14 @@ static void drive_links(const Model *model, const double *x, Work *work, int fro
     }
 }
 
-static inline Inertia inertia_past(const Model *model, Work *work, Inertia a, int top, int tip)
+static inline Inertia inertia_past(const Model *model, Work *work, Strip strip, Inertia a, int top, int tip)
 {
-    put(work->nn, top, tip, a.nn);
-    put(work->en, top, tip, a.en);
-    put(work->ee, top, tip, a.ee);
-    put(work->unit, top, tip, a.unit);
-    put(work->det, top, tip, a.det);
+    const int top_at = top_place(strip, top), tip_at = tip_place(strip, tip);
+    put(work->nn, top_at, tip_at, a.nn);
+    put(work->en, top_at, tip_at, a.en);
+    put(work->ee, top_at, tip_at, a.ee);
+    put(work->unit, top_at, tip_at, a.unit);
+    put(work->det, top_at, tip_at, a.det);
     const LinkInertia link = {at(model->link[LINK_MASS], top, tip), at(model->reach, top, tip),
                               at(model->swing, top, tip), at(model->skew, top, tip)};
     const Lanes cosine = at(work->turn_cosine, top + 1, tip);
@@ -117,9 +127,9 @@ static Inertia with_top_of(Inertia a, Inertia before)
 /* Passes a strip of links, keeping the inertia at every link's outer end, in the link's axes. */
 static Inertia inertia_inwards(const Model *model, Work *work, Strip strip, Inertia a)
 {
-    if (top_waits(model, strip)) a = with_top_of(inertia_past(model, work, a, 0, model->n - 1), a);
+    if (top_waits(model, strip)) a = with_top_of(inertia_past(model, work, strip, a, 0, model->n - 1), a);
     for (int i = strip.from; i < strip.to; i++) {
-        a = inertia_past(model, work, a, i, first_tip(model) - i);
+        a = inertia_past(model, work, strip, a, i, first_tip(model) - i);
         if (i % 8 == 7) a = rescaled(a);
     }
     return a;
@@ -133,7 +143,7 @@ static Inertia in_middle_axes(const Model *model, const Work *work, Inertia a)
 }
 
 /* M and the bias' constant of the links above the middle, and K in the link's axes. */
-static void gains_from_top(const Model *model, Work *work, int from, int to)
+static void gains_from_top(const Model *model, Work *work, Strip strip)
 {
     const double *mass = model->link[LINK_MASS], *swing = model->swing, *lever = model->lever;
     const double *rest = model->rest_share, *sine = work->sine, *cosine = work->cosine;
@@ -144,11 +154,12 @@ static void gains_from_top(const Model *model, Work *work, int from, int to)
     double *m_xx = work->m_xx, *m_xy = work->m_xy, *m_yx = work->m_yx, *m_yy = work->m_yy;
     double *constant_x = work->constant_x, *constant_y = work->constant_y;
     LINKS_ARE_INDEPENDENT
-    for (int i = from; i < to; i++) {
+    for (int i = strip.from; i < strip.to; i++) {
+        const int at = top_place(strip, i);
         const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, m = mass[i], per_mass = 1.0 / m;
-        const double across = det[i] + m * nn[i];
-        const double scale = 1.0 / (across + swing[i] * (ee[i] + m * unit[i])); /* 1 / det' of past_link() */
-        const double kee = (det[i] + swing[i] * ee[i]) * scale, ken = swing[i] * en[i] * scale;
+        const double across = det[at] + m * nn[at];
+        const double scale = 1.0 / (across + swing[i] * (ee[at] + m * unit[at])); /* 1 / det' of past_link() */
+        const double kee = (det[at] + swing[i] * ee[at]) * scale, ken = swing[i] * en[at] * scale;
         const double knn = swing[i] * per_mass * across * scale;
         const double mne = rest[i] * ken, mnn = rest[i] * knn; /* B acts on n alone, with the factor 1 - m h^2 / I */
         const double p_x = kee * ex + mne * nx, p_y = kee * ey + mne * ny; /* M e */
@@ -160,12 +171,12 @@ static void gains_from_top(const Model *model, Work *work, int from, int to)
         constant_x[i] = per_mass * ((mxx * minus_x + mxy * minus_y) + (push * nx + drive_x[i]));
         constant_y[i] = per_mass * ((myx * minus_x + myy * minus_y) + (push * ny + drive_y[i]));
         m_xx[i] = mxx, m_xy[i] = mxy, m_yx[i] = myx, m_yy[i] = myy;
-        k_ee[i] = kee, k_en[i] = ken, k_nn[i] = knn;
+        k_ee[at] = kee, k_en[at] = ken, k_nn[at] = knn;
     }
 }
 
 /* M and the bias' constant of the links below the middle, u and 1 / J. */
-static void gains_from_tip(const Model *model, Work *work, int from, int to)
+static void gains_from_tip(const Model *model, Work *work, Strip strip)
 {
     const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
     const double *reach = model->reach, *per_rotary = model->per_rotary;
@@ -176,10 +187,11 @@ static void gains_from_tip(const Model *model, Work *work, int from, int to)
     double *m_xx = work->m_xx, *m_xy = work->m_xy, *m_yx = work->m_yx, *m_yy = work->m_yy;
     double *constant_x = work->constant_x, *constant_y = work->constant_y, *turning = work->turning;
     LINKS_ARE_INDEPENDENT
-    for (int i = from; i < to; i++) {
+    for (int i = strip.tip_from; i < strip.tip_to; i++) {
+        const int at = tip_place(strip, i);
         const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, l = length[i];
-        const double scale = per_rotary[i] / (unit[i] + reach[i] * nn[i]); /* 1 / (J unit) */
-        const double along = l * en[i] * scale, across = l * (nn[i] + 0.5 * mass[i] * unit[i]) * scale;
+        const double scale = per_rotary[i] / (unit[at] + reach[i] * nn[at]); /* 1 / (J unit) */
+        const double along = l * en[at] * scale, across = l * (nn[at] + 0.5 * mass[i] * unit[at]) * scale;
         const double ux = across * nx + along * ex, uy = across * ny + along * ey;
         const double s = torque[i] + 0.5 * l * (nx * drive_x[i] + ny * drive_y[i]);
         m_xx[i] = 1.0 - ux * (l * nx), m_xy[i] = -ux * (l * ny);
@@ -187,15 +199,15 @@ static void gains_from_tip(const Model *model, Work *work, int from, int to)
         constant_x[i] = ux * s - drive_x[i];
         constant_y[i] = uy * s - drive_y[i];
         u_x[i] = ux, u_y[i] = uy;
-        per_pivot[i] = unit[i] * scale;
+        per_pivot[at] = unit[at] * scale;
         turning[i] = s;
     }
 }
 
-static inline Planar bias_past(Work *work, Planar z, int top, int tip)
+static inline Planar bias_past(Work *work, Strip strip, Planar z, int top, int tip)
 {
-    put(work->bias_x, top, tip, z.x);
-    put(work->bias_y, top, tip, z.y);
+    put(work->bias_x, top_place(strip, top), tip_place(strip, tip), z.x);
+    put(work->bias_y, top_place(strip, top), tip_place(strip, tip), z.y);
     return (Planar){at(work->m_xx, top, tip) * z.x + (at(work->m_xy, top, tip) * z.y + at(work->constant_x, top, tip)),
                     at(work->m_yx, top, tip) * z.x + (at(work->m_yy, top, tip) * z.y + at(work->constant_y, top, tip))};
 }
@@ -204,15 +216,15 @@ static inline Planar bias_past(Work *work, Planar z, int top, int tip)
 static Planar bias_inwards(const Model *model, Work *work, Strip strip, Planar z)
 {
     if (top_waits(model, strip)) {
-        const Planar next = bias_past(work, z, 0, model->n - 1);
+        const Planar next = bias_past(work, strip, z, 0, model->n - 1);
         z.x[FROM_TIP] = next.x[FROM_TIP], z.y[FROM_TIP] = next.y[FROM_TIP];
     }
-    for (int i = strip.from; i < strip.to; i++) z = bias_past(work, z, i, first_tip(model) - i);
+    for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, first_tip(model) - i);
     return z;
 }
 
 /* Constant of the answer above the middle: K q. */
-static void answers_from_top(const Model *model, Work *work, int from, int to)
+static void answers_from_top(const Model *model, Work *work, Strip strip)
 {
     const double *mass = model->link[LINK_MASS], *lever = model->lever, *sine = work->sine, *cosine = work->cosine;
     const double *bias_x = work->bias_x, *bias_y = work->bias_y, *torque = work->torque;
@@ -220,27 +232,29 @@ static void answers_from_top(const Model *model, Work *work, int from, int to)
     const double *drive_x = work->drive_x, *drive_y = work->drive_y;
     double *constant_x = work->constant_x, *constant_y = work->constant_y;
     LINKS_ARE_INDEPENDENT
-    for (int i = from; i < to; i++) {
+    for (int i = strip.from; i < strip.to; i++) {
+        const int at = top_place(strip, i);
         const double ex = sine[i], ey = cosine[i], nx = ey, ny = -ex, push = lever[i] * torque[i];
-        const double q_x = mass[i] * bias_x[i] + (push * nx - drive_x[i]);
-        const double q_y = mass[i] * bias_y[i] + (push * ny - drive_y[i]);
+        const double q_x = mass[i] * bias_x[at] + (push * nx - drive_x[i]);
+        const double q_y = mass[i] * bias_y[at] + (push * ny - drive_y[i]);
         const double q_e = q_x * ex + q_y * ey, q_n = q_x * nx + q_y * ny;
-        const double r_e = k_ee[i] * q_e + k_en[i] * q_n, r_n = k_en[i] * q_e + k_nn[i] * q_n;
+        const double r_e = k_ee[at] * q_e + k_en[at] * q_n, r_n = k_en[at] * q_e + k_nn[at] * q_n;
         constant_x[i] = r_e * ex + r_n * nx;
         constant_y[i] = r_e * ey + r_n * ny;
     }
 }
 
 /* Below it: (s - l n.f)/J, the link's acceleration if its node stood still, and that times l n. */
-static void answers_from_tip(const Model *model, Work *work, int from, int to)
+static void answers_from_tip(const Model *model, Work *work, Strip strip)
 {
     const double *length = model->link[LINK_LENGTH], *sine = work->sine, *cosine = work->cosine;
     const double *bias_x = work->bias_x, *bias_y = work->bias_y, *per_pivot = work->per_pivot;
     double *constant_x = work->constant_x, *constant_y = work->constant_y, *turning = work->turning;
     LINKS_ARE_INDEPENDENT
-    for (int i = from; i < to; i++) {
+    for (int i = strip.tip_from; i < strip.tip_to; i++) {
+        const int at = tip_place(strip, i);
         const double lx = length[i] * cosine[i], ly = -length[i] * sine[i];
-        const double free = (turning[i] - (lx * bias_x[i] + ly * bias_y[i])) * per_pivot[i];
+        const double free = (turning[i] - (lx * bias_x[at] + ly * bias_y[at])) * per_pivot[at];
         turning[i] = free;
         constant_x[i] = lx * free;
         constant_y[i] = ly * free;
@@ -334,11 +348,11 @@ void VARIANT(chain_accelerations)(const Model *model, const double *x, const dou
         drive_links(model, x, work, strip.from, strip.to, 0.0, 0.0);
         drive_links(model, x, work, strip.tip_from, strip.tip_to, sum_x, sum_y);
         inertia = inertia_inwards(model, work, strip, inertia);
-        gains_from_top(model, work, strip.from, strip.to);
-        gains_from_tip(model, work, strip.tip_from, strip.tip_to);
+        gains_from_top(model, work, strip);
+        gains_from_tip(model, work, strip);
         bias = bias_inwards(model, work, strip, bias);
-        answers_from_top(model, work, strip.from, strip.to);
-        answers_from_tip(model, work, strip.tip_from, strip.tip_to);
+        answers_from_top(model, work, strip);
+        answers_from_tip(model, work, strip);
         from = strip.to;
     } while (from < middle);
 

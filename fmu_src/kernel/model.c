@@ -12,9 +12,8 @@ enum { SPARE = 2 };
 #define WORK_ARRAYS(w)                                                                                                 \
     &(w)->sine, &(w)->cosine, &(w)->turn_sine, &(w)->turn_cosine, &(w)->joint, &(w)->torque, &(w)->velocity_x,         \
         &(w)->velocity_y, &(w)->inward_x, &(w)->inward_y, &(w)->load_x, &(w)->load_y, &(w)->drive_x, &(w)->drive_y,    \
-        &(w)->nn, &(w)->en, &(w)->ee, &(w)->unit, &(w)->det, &(w)->m_xx, &(w)->m_xy, &(w)->m_yx, &(w)->m_yy,           \
-        &(w)->constant_x, &(w)->constant_y, &(w)->bias_x, &(w)->bias_y, &(w)->answer_x, &(w)->answer_y, &(w)->k_ee,    \
-        &(w)->k_en, &(w)->k_nn, &(w)->u_x, &(w)->u_y, &(w)->per_pivot, &(w)->turning
+        &(w)->m_xx, &(w)->m_xy, &(w)->m_yx, &(w)->m_yy, &(w)->constant_x, &(w)->constant_y, &(w)->answer_x,            \
+        &(w)->answer_y, &(w)->u_x, &(w)->u_y, &(w)->turning
 
 static size_t array_doubles(int n)
 {

@@ -113,6 +113,9 @@ typedef struct Model {
     double preload[2];                /* constant force of the terminal's support along x, y [N] */
 } Model;
 
+/* Links that the elimination takes at a time from each end [chain.c]; an odd one may come with the first. */
+enum { STRIP = 32, STRIP_ROOM = 2 * STRIP + 1 };
+
 /* Scratch of one evaluation. Nothing in it outlives the call that filled it, except that outputs read
  * what derivatives left there for the same (x, u). Arrays are per link or per node, their formulas in chain.c. */
 typedef struct Work {
@@ -123,15 +126,18 @@ typedef struct Work {
     double *inward_x, *inward_y;       /* C_i of the nodes [m/s^2] */
     double *load_x, *load_y;           /* W: submerged weight and drag on the link [N] */
     double *drive_x, *drive_y;         /* H: the same and the known part of the mass forces [N] */
-    double *nn, *en, *ee, *unit, *det; /* inertia at the link's outer end [ends.h] */
     double *m_xx, *m_xy, *m_yx, *m_yy; /* M of the recursions */
     double *constant_x, *constant_y;   /* of the bias, later of the answer */
-    double *bias_x, *bias_y;           /* at the link's outer end: c [m/s^2] above the middle, f [N] below */
     double *answer_x, *answer_y;       /* at the link's inner end: R [N] above, b [m/s^2] below; one ahead */
-    double *k_ee, *k_en, *k_nn;        /* K of links above the middle */
-    double *u_x, *u_y, *per_pivot;     /* u and 1/J of links below */
+    double *u_x, *u_y;                 /* u of links below the middle */
     double *turning;                   /* s, then (s - l n.f)/J of links below */
-    double end_force[2];               /* all force on the terminal besides the cable's pull [N] */
+    /* of one strip of links, those from the top first [chain.c]: */
+    double nn[STRIP_ROOM], en[STRIP_ROOM], ee[STRIP_ROOM]; /* inertia at the link's outer end [ends.h] */
+    double unit[STRIP_ROOM], det[STRIP_ROOM];
+    double bias_x[STRIP_ROOM], bias_y[STRIP_ROOM];               /* there: c [m/s^2] above the middle, f [N] below */
+    double k_ee[STRIP_ROOM], k_en[STRIP_ROOM], k_nn[STRIP_ROOM]; /* K of links above the middle */
+    double per_pivot[STRIP_ROOM];                                /* 1/J of links below */
+    double end_force[2]; /* all force on the terminal besides the cable's pull [N] */
     double end_position[2], end_velocity[2];
 } Work;
 
