@@ -66,6 +66,11 @@ size_t probe_constants(const Probe *probe, double *copy)
 void probe_spoil_scratch(Probe *probe)
 {
     for (size_t k = 0; k < work_doubles(probe->model.n); k++) probe->scratch[k] = NAN;
+    Work *work = &probe->work;
+    double *const strip[] = {work->nn,     work->en,   work->ee,   work->unit, work->det,      work->bias_x,
+                             work->bias_y, work->k_ee, work->k_en, work->k_nn, work->per_pivot};
+    for (size_t k = 0; k < sizeof strip / sizeof *strip; k++)
+        for (int i = 0; i < STRIP_ROOM; i++) strip[k][i] = NAN;
     for (int k = 0; k < 2; k++)
         probe->work.end_force[k] = probe->work.end_position[k] = probe->work.end_velocity[k] = NAN;
 }
