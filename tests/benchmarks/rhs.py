@@ -45,14 +45,15 @@ def water_cable(n: int) -> Cable:
     return Scene.from_text(text, name=f"free-{n}-water").cable
 
 
-def seconds(kernel: Kernel, c: Chain, repeats: int) -> float:
-    """Of one evaluation, the best of seven rounds."""
-    x, u, best = np.array([0.0, *c.theta, 0.0, *c.omega]), inputs_of({}), float("inf")
+def seconds(kernel: Kernel, c: Chain, repeats: int) -> tuple[float, float]:
+    """Of one evaluation, and of its sines and its elimination alone; the best of seven rounds, taken in turns."""
+    x, u, best = np.array([0.0, *c.theta, 0.0, *c.omega]), inputs_of({}), [float("inf")] * 2
     for _ in range(7):
-        begun = time.perf_counter()
-        kernel.repeat(x, u, repeats)
-        best = min(best, (time.perf_counter() - begun) / repeats)
-    return best
+        for k, call in enumerate((kernel.repeat, kernel.repeat_core)):
+            begun = time.perf_counter()
+            call(x, u, repeats)
+            best[k] = min(best[k], (time.perf_counter() - begun) / repeats)
+    return best[0], best[1]
 
 
 def _library(folder: str):  # type: ignore[no-untyped-def]
@@ -60,7 +61,7 @@ def _library(folder: str):  # type: ignore[no-untyped-def]
 
 
 def per_link() -> list[dict[str, float | str]]:
-    """Rows: links, variant, nanoseconds per link, of the submerged cable."""
+    """Rows: links, variant, nanoseconds per link of the submerged cable, and those of sines and elimination alone."""
     rows: list[dict[str, float | str]] = []
     with tempfile.TemporaryDirectory() as folder:
         library = _library(folder)
@@ -68,8 +69,9 @@ def per_link() -> list[dict[str, float | str]]:
             kernel, c = Kernel(library, water_cable(n)), chain(n)
             for wide in (True, False):
                 if kernel.use_avx2(wide) is wide:
-                    cost = seconds(kernel, c, BUDGET // n) / n * 1e9
-                    rows.append({"links": n, "variant": "AVX2" if wide else "portable", "ns_per_link": cost})
+                    cost, core = (1e9 / n * value for value in seconds(kernel, c, BUDGET // n))
+                    variant = "AVX2" if wide else "portable"
+                    rows.append({"links": n, "variant": variant, "ns_per_link": cost, "core_ns_per_link": core})
     return rows
 
 
@@ -81,7 +83,7 @@ def single(n: int, span: float) -> dict[str, Any]:
         kernel = Kernel(_library(folder), cable)
         q, v = np.array([0.0, *c.theta]), np.array([0.0, *c.omega])
         found = kernel.acceleration(q, v, {}).tolist()
-        cost = seconds(kernel, c, BUDGET // n)
+        cost, _ = seconds(kernel, c, BUDGET // n)
         motions = [
             motion(kernel, replace(cable, velocity=v), span, tolerance) for tolerance in (1e-4, 1e-6, 1e-8, 1e-12)
         ]

@@ -46,6 +46,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_spoil_scratch": (None, _POINTER),
     "probe_derivatives": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "probe_repeat": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
+    "probe_repeat_core": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_outputs": (None, _POINTER, _ARRAY, _POINTER, _ARRAY),
     "probe_restart": (None, _POINTER, _DOUBLE),
     "probe_advance": (_INT, _POINTER, ctypes.POINTER(_DOUBLE), _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
@@ -159,6 +160,10 @@ class Kernel:
     def repeat(self, x: Floats, u: Floats, times: int) -> None:
         """That many evaluations in a row, to be timed; moves `x` a little."""
         self._library.probe_repeat(self._handle, x, u, np.empty_like(x), times)
+
+    def repeat_core(self, x: Floats, u: Floats, times: int) -> None:
+        """The same of sine, cosine and elimination alone."""
+        self._library.probe_repeat_core(self._handle, x, u, np.empty_like(x), times)
 
     def acceleration(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
         """x'', shape (n + 1,) [m/s^2, rad/s^2]."""

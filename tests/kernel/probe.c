@@ -143,6 +143,27 @@ void probe_repeat(Probe *probe, double *x, const double *u, double *derivative, 
     }
 }
 
+/* The same for sine, cosine and elimination alone, after probe_repeat(): what no arrangement of the rest can undercut. */
+void probe_repeat_core(Probe *probe, double *x, const double *u, double *derivative, int times)
+{
+    Model *model = &probe->model;
+    Work *work = &probe->work;
+    double *acceleration = derivative + model->n + 1;
+    for (int k = 0; k < times; k++) {
+#if defined(__x86_64__)
+        if (model->variant == &AVX2) {
+            sincos_array_avx2(model->n, x + 1, work->sine, work->cosine);
+            chain_accelerations_avx2(model, x, u, work, acceleration);
+            x[1] += 1e-12 * acceleration[1];
+            continue;
+        }
+#endif
+        sincos_array_portable(model->n, x + 1, work->sine, work->cosine);
+        chain_accelerations_portable(model, x, u, work, acceleration);
+        x[1] += 1e-12 * acceleration[1];
+    }
+}
+
 /* With derivative == NULL the outputs that need no derivatives; else after probe_derivatives() of the same x. */
 void probe_outputs(Probe *probe, const double *x, const double *derivative, double *output)
 {
