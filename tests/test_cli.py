@@ -149,6 +149,8 @@ WRONG = {
         (["run", "load.toml", "--colour", "red"], "Unknown option: --colour"),
         (["run", "load.toml", "--fmi", "4"], 'Invalid value "4" for --fmi. Choose from: 2, 3'),
         (["run", "load.toml", "--interface", "xx"], 'Invalid value "xx" for --interface'),
+    ],
+    "twins": [
         (["build", "load.toml", "--twin", "--fmi", "3"], "fmi = 3: a twin is an FMU of version 2"),
     ],
     "scenes": [
