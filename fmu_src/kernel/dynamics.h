@@ -25,10 +25,8 @@ void cable_outputs(const Model *model, const double *x, const double *derivative
 
 /* --- one concept a file; those under VARIANT are compiled once more in avx2.c --- */
 
-/* orientation.c: sine and cosine of every link and of the turn from the one above. */
-int angle_out_of_range(const Model *model, const double *x); /* the first link (1 ...) beyond SINCOS_RANGE, or 0 */
-
-/* joints.c: torque[i] = T_{i+1} - T_i with T_i = k_i (th_i - th_{i-1}) + c_i (w_i - w_{i-1}) [5.2]. */
+/* dynamics.c: the first link (1 ...) whose angle is beyond SINCOS_RANGE, or 0. */
+int angle_out_of_range(const Model *model, const double *x);
 
 /* terminal.c: force on P_n besides the cable's pull; weight, inputs, springs with preload. */
 void terminal_motion(const Model *model, const double *x, const Work *work, double position[2], double velocity[2]);

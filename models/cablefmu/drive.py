@@ -21,9 +21,8 @@ from fmpy.sundials.libraries import sundials_cvode
 from .errors import FmuError, RunError
 from .feed import Feed
 
-__all__ = ["Driver", "Setup", "make_driver"]
+__all__ = ["Driver", "make_driver"]
 
-Setup = Callable[["Driver"], None]
 _SLIVER = 8.0  # units in the last place: rounding puts a jump beside an output time, and CVode takes no such step
 _MOST_STEPS = 1_000_000  # of CVode within one output interval; bounded work instead of a hang
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from cablefmu import scene_schema
 from cablefmu.fmu.table import table
 from cablefmu.fmu.units import UNITS
-from cablefmu.fmu.variables import Kind, output_names, variables_of
+from cablefmu.fmu.variables import Kind, variables_of
 from tests.fmu_helpers import KINDS, small_scene
 
 FORCES = {
@@ -56,7 +57,7 @@ def test_value_references_are_places_in_the_list() -> None:
     assert len({v.name for v in variables}) == len(variables)
 
 
-@pytest.mark.parametrize("name", output_names(small_scene("load").cable))
+@pytest.mark.parametrize("name", scene_schema.OUTPUTS)
 def test_any_output_can_be_dropped(name: str) -> None:
     """A dropped state stays, as a local variable; everything else goes."""
     whole, rest = names("load", "output"), names("load", "output", (name,))

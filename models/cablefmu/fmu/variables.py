@@ -13,7 +13,7 @@ from enum import IntEnum
 from ..cable import Cable
 from .table import table
 
-__all__ = ["STATE_OUTPUTS", "Kind", "Variable", "output_names", "variables_of"]
+__all__ = ["STATE_OUTPUTS", "Kind", "Variable", "variables_of"]
 
 STATE_OUTPUTS = ("y_m1", "v_m1")
 """Outputs that are states themselves: floater 1's displacement and velocity."""
@@ -56,12 +56,6 @@ class Variable:
     """Value reference of the state that this is the time derivative of."""
     depends_on: tuple[int, ...] | None = None
     """Value references of the inputs and states that it depends on; None: on all of them."""
-
-
-def output_names(cable: Cable) -> list[str]:
-    """Names of every output that this cable can have, in the table's order."""
-    del cable  # every kind of top so far is a floater
-    return [*table().outputs, *table().solver]
 
 
 def variables_of(cable: Cable, dropped_outputs: Iterable[str] = ()) -> list[Variable]:
