@@ -4,18 +4,11 @@
 #include "instance.h"
 
 #define PARAMETER(name, unit, least, description) {#name, #least},
-#define INPUT(name, unit, description)
-#define OUTPUT(name, unit, nominal, description)
-#define SOLVER(name, unit, description)
 static const struct {
     const char *name, *least; /* "-inf", "0", or "+0" for above zero */
 } PARAMETER_INFO[] = {
 #include "../kernel/variables.def"
 };
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
 
 static const Variable *lookup(Instance *instance, uint32_t reference)
 {

@@ -2,17 +2,10 @@
 
 #include "instance.h"
 
-#define PARAMETER(name, unit, least, description)
 #define INPUT(name, unit, description) #name,
-#define OUTPUT(name, unit, nominal, description)
-#define SOLVER(name, unit, description)
 const char *const INPUT_NAME[] = {
 #include "../kernel/variables.def"
 };
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
 
 void text_state(Text *text, const Instance *instance, size_t k)
 {

@@ -16,59 +16,44 @@
 #include "variant.h"
 
 #define PARAMETER(name, unit, least, description) P_##name,
-#define INPUT(name, unit, description)
-#define OUTPUT(name, unit, nominal, description)
-#define SOLVER(name, unit, description)
 typedef enum {
 #include "variables.def"
     PARAMETER_COUNT
 } Parameter;
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
 
-#define PARAMETER(name, unit, least, description)
 #define INPUT(name, unit, description) U_##name,
-#define OUTPUT(name, unit, nominal, description)
-#define SOLVER(name, unit, description)
 typedef enum {
 #include "variables.def"
     INPUT_COUNT
 } Input;
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
 
-#define PARAMETER(name, unit, least, description)
-#define INPUT(name, unit, description)
 #define OUTPUT(name, unit, nominal, description) Y_##name,
-#define SOLVER(name, unit, description)
 typedef enum {
 #include "variables.def"
     OUTPUT_COUNT
 } Output;
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
 
-#define PARAMETER(name, unit, least, description)
-#define INPUT(name, unit, description)
-#define OUTPUT(name, unit, nominal, description)
 #define SOLVER(name, unit, description) SOLVER_##name,
 typedef enum {
 #include "variables.def"
     SOLVER_COUNT
 } SolverCounter;
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
+
+#define STATICS(name, unit, description) STATICS_##name,
+typedef enum {
+#include "variables.def"
+    STATICS_COUNT
+} StaticsFigure;
 
 /* What hangs at P_n; numbers as in the resource file. */
-typedef enum { TERMINAL_LOAD, TERMINAL_ANCHOR_MASS, TERMINAL_ANCHOR_SPRING, TERMINAL_FLOATER, TERMINAL_COUNT } Terminal;
+typedef enum {
+    TERMINAL_LOAD,
+    TERMINAL_ANCHOR_MASS,
+    TERMINAL_ANCHOR_SPRING,
+    TERMINAL_FLOATER,
+    TERMINAL_PIN,
+    TERMINAL_COUNT
+} Terminal;
 
 /* How the normal drag of a link is given. */
 typedef enum { DRAG_NONE, DRAG_COEFFICIENT, DRAG_PER_LINK, DRAG_COUNT } Drag;
@@ -94,7 +79,7 @@ typedef struct Model {
     Drag drag;
     uint64_t present; /* bit P_x is set where the scene has parameter x */
     double parameter[PARAMETER_COUNT];
-    double rest[2];                   /* (x_0, y_0) of the terminal's springs [m] */
+    double rest[2];                   /* (x_0, y_0) of the terminal's springs or of its pin [m] */
     const double *link[LINK_COLUMNS]; /* as given */
 
     bool has_stiffness, has_damping, has_drag, has_spring;

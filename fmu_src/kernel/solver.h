@@ -1,8 +1,8 @@
 /*
  * From t to t_end: error-controlled integration of x' = f(t, x), its memory kept from call to call.
  *
- * A method is a function of the type `SolverAdvance`; the memory that it needs is a block of doubles of
- * its own size. What a host sees of it are the counters and the reason why it stopped.
+ * Two methods, explicit [explicit.c] and implicit [rosenbrock.c], and what chooses between them [solver.c]. What a host
+ * sees of them are the counters and the reason why they stopped.
  */
 #ifndef CABLE_SOLVER_H
 #define CABLE_SOLVER_H
@@ -17,6 +17,9 @@ typedef enum {
     SOLVER_INPUT_FAILED     /* the source of inputs gave up or gave no finite number */
 } SolverStatus;
 
+/* Numbers as in the resource file. */
+typedef enum { SOLVER_AUTOMATIC, SOLVER_EXPLICIT, SOLVER_IMPLICIT, SOLVER_CHOICES } SolverChoice;
+
 /* Bounded work instead of a hang: attempts per call. The hardest shipped scene takes a few hundred. */
 #define SOLVER_MOST_STEPS 1000000
 
@@ -30,6 +33,7 @@ typedef struct {
 
 /* Memory across calls: plain data, so that it can be saved with the state. */
 typedef struct {
+    SolverChoice choice;
     double tolerance;    /* relative, and absolute in rad, m, rad/s, m/s */
     double step;         /* proposed next step [s]; 0: none yet */
     double error_before; /* scaled error of the last accepted step */
@@ -38,8 +42,12 @@ typedef struct {
     double counter[SOLVER_COUNT]; /* since the start: whole numbers, as hosts read them */
 } SolverMemory;
 
-typedef SolverStatus (*SolverAdvance)(const System *system, SolverMemory *memory, double *block, double *t,
-                                      double t_end, double *x);
+/* Doubles of the block that both methods share. */
+size_t solver_doubles(int n);
+
+/* From *t to t_end by the method of memory->choice; on failure t and x are where it ended. */
+SolverStatus solver_advance(const System *system, SolverMemory *memory, double *block, double *t, double t_end,
+                            double *x);
 
 /* Forget the step size and the slope: after a reset or when somebody else moved the state. */
 void solver_restart(SolverMemory *memory);

@@ -15,7 +15,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cable", "Drag", "Floats", "Links", "Terminal"]
+__all__ = ["Cable", "Drag", "Floats", "Initial", "Links", "SolverChoice", "Terminal"]
 
 Floats = NDArray[np.float64]
 
@@ -31,6 +31,8 @@ class Terminal(StrEnum):
     """A mass with submerged weight on a spring-damper pair about the rest position."""
     FLOATER = "floater"
     """A second floater: weightless at rest, spring-dampers about the rest position, force u_m2."""
+    PIN = "pin"
+    """An anchor that cannot move: P_n is held at its position exactly, by whatever force that takes."""
 
 
 class Drag(StrEnum):
@@ -42,6 +44,24 @@ class Drag(StrEnum):
     """c = 1/2 rho_w Cd D l, from the drag coefficient Cd [-] of each link."""
     PER_LINK = "per-link"
     """c given as it stands, c_v [N s^2/m^2] of each link [Table 6.1]."""
+
+
+class SolverChoice(StrEnum):
+    """Which integrator a Co-Simulation FMU uses."""
+
+    AUTOMATIC = "automatic"
+    """Whichever is cheaper, decided during the run from measured stiffness and cost."""
+    EXPLICIT = "explicit"
+    IMPLICIT = "implicit"
+
+
+class Initial(StrEnum):
+    """What a run starts from."""
+
+    SHAPE = "shape"
+    """The start shape as it stands."""
+    EQUILIBRIUM = "equilibrium"
+    """The stable equilibrium under the inputs of the start, found from the start shape at initialisation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +106,7 @@ class Cable:
     joints all equal, not zero           ``k_joint``, ``c_joint`` (override the arrays; each by itself)
     load                                 ``m_c``; ``I_Rc`` if not zero; in water ``rho_c`` or ``V_c``
     anchor-mass                          ``m_c``
+    pin                                  none
     anchor-spring                        ``m_c``; in water ``rho_c`` or ``V_c``; ``k_cH``, ``c_cH``,
                                          ``k_cV``, ``c_cV``, ``static_load_2``, ``static_pull_2``
     floater                              ``M_2`` (in m_c's place), ``k_m2V``, ``c_m2V``, ``k_m2H``,
@@ -112,9 +133,11 @@ class Cable:
     velocity: Floats
     """Start of dq/dt, shape (n + 1,) [m/s, rad/s]"""
     rest_position: tuple[float, float] = (0.0, 0.0)
-    """(x_0, y_0) of the terminal's springs [m]; (0, 0) where there are none."""
+    """(x_0, y_0) of the terminal's springs, or where a pin holds it [m]; (0, 0) where there is neither."""
     input_start: dict[str, float] = field(default_factory=dict)
     """Value of each input at the start [N]; 0 where it is not named."""
+    solver: SolverChoice = SolverChoice.AUTOMATIC
+    initial: Initial = Initial.SHAPE
 
     @property
     def n(self) -> int:

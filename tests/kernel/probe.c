@@ -218,44 +218,20 @@ int probe_tableau(double *a, double *b, double *b_embedded, double *c)
 
 /* Names as the C compiler read them from variables.def, in slot order. */
 #define PARAMETER(name, unit, least, description) [P_##name] = #name,
-#define INPUT(name, unit, description)
-#define OUTPUT(name, unit, nominal, description)
-#define SOLVER(name, unit, description)
 static const char *const PARAMETER_NAME[PARAMETER_COUNT] = {
 #include "../../fmu_src/kernel/variables.def"
 };
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
 
-#define PARAMETER(name, unit, least, description)
 #define INPUT(name, unit, description) [U_##name] = #name,
-#define OUTPUT(name, unit, nominal, description)
-#define SOLVER(name, unit, description)
 static const char *const INPUT_NAME[INPUT_COUNT] = {
 #include "../../fmu_src/kernel/variables.def"
 };
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
 
-#define PARAMETER(name, unit, least, description)
-#define INPUT(name, unit, description)
 #define OUTPUT(name, unit, nominal, description) [Y_##name] = #name,
-#define SOLVER(name, unit, description)
 static const char *const OUTPUT_NAME[OUTPUT_COUNT] = {
 #include "../../fmu_src/kernel/variables.def"
 };
-#undef PARAMETER
-#undef INPUT
-#undef OUTPUT
-#undef SOLVER
 
-#define PARAMETER(name, unit, least, description)
-#define INPUT(name, unit, description)
-#define OUTPUT(name, unit, nominal, description)
 #define SOLVER(name, unit, description) [SOLVER_##name] = #name,
 static const char *const COUNTER_NAME[SOLVER_COUNT] = {
 #include "../../fmu_src/kernel/variables.def"

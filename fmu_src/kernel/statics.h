@@ -1,0 +1,26 @@
+/*
+ * The stable equilibrium of a cable under constant inputs: forces balance, and the tangent stiffness is positive
+ * definite.
+ */
+#ifndef CABLE_STATICS_H
+#define CABLE_STATICS_H
+
+#include "linear.h"
+
+typedef enum {
+    STATICS_OK,
+    STATICS_NO_BALANCE, /* the forces could not be balanced: nothing holds the cable, or the search came to its end */
+    STATICS_NOT_FINITE  /* forces or angles beyond the range of numbers */
+} StaticsStatus;
+
+/* Doubles of the block that statics_solve() works in. */
+size_t statics_doubles(int n);
+
+/*
+ * From the angles and the heave in x[2 (n + 1)] to a stable equilibrium near them, under u[INPUT_COUNT]; the velocities
+ * become zero. figure[STATICS_COUNT] tells how well and how long, on failure as well.
+ */
+StaticsStatus statics_solve(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x,
+                            double *figure);
+
+#endif
