@@ -21,25 +21,34 @@
  * Everything between them is one link at a time, and the compiler takes several links at once.
  *
  * At a heavy end C is counted from that end, so that it is zero there and nothing large cancels.
+ *
+ * Behind an end that cannot move, links that line up within some 1e-6 rad leave the recursion from the tip no digits.
+ * Such a cable is eliminated from the top alone, whose recursion does not mind: its middle is its end [model.c].
  */
 
 /*
  * Links 0 ... middle - 1 are eliminated from the top, the others from the tip. While the lane of the top is at link i,
- * that of the tip is at link n - 1 - i; if n is odd, the tip takes one link before that, while the top waits.
+ * that of the tip is at link n - 1 - i; if n is odd, the tip takes one link before that, while the top waits. From
+ * the top alone, the tip's lane does the same as the top's.
  */
-static inline int middle_of(const Model *model)
+static inline bool from_top_alone(const Model *model)
 {
-    return model->n / 2;
+    return model->middle == model->n;
 }
 
 static inline bool is_odd(const Model *model)
 {
-    return model->n % 2 == 1;
+    return !from_top_alone(model) && model->n % 2 == 1;
 }
 
 static inline int first_tip(const Model *model)
 {
     return model->n - 1 - is_odd(model);
+}
+
+static inline int partner_of(const Model *model, int link)
+{
+    return from_top_alone(model) ? link : first_tip(model) - link;
 }
 
 /*
@@ -64,7 +73,8 @@ static inline int tip_place(Strip strip, int link)
 
 static inline Strip strip_at(const Model *model, int from)
 {
-    const int middle = middle_of(model), to = from + STRIP < middle ? from + STRIP : middle;
+    const int middle = model->middle, to = from + STRIP < middle ? from + STRIP : middle;
+    if (from_top_alone(model)) return (Strip){from, to, from + STRIP, from + STRIP};
     return (Strip){from, to, first_tip(model) - to + 1, from ? first_tip(model) - from + 1 : model->n};
 }
 
@@ -111,8 +121,9 @@ static inline Inertia inertia_past(const Model *model, Work *work, Strip strip, 
     put(work->det, top_at, tip_at, a.det);
     const LinkInertia link = {at(model->link[LINK_MASS], top, tip), at(model->reach, top, tip),
                               at(model->swing, top, tip), at(model->skew, top, tip)};
-    const Lanes cosine = at(work->turn_cosine, top + 1, tip);
-    const Lanes sine = {work->turn_sine[top + 1], -work->turn_sine[tip]};
+    const bool alone = from_top_alone(model);
+    const Lanes cosine = at(work->turn_cosine, top + 1, alone ? top + 1 : tip);
+    const Lanes sine = {work->turn_sine[top + 1], alone ? work->turn_sine[top + 1] : -work->turn_sine[tip]};
     return turned(past_link(a, link), cosine, sine);
 }
 
@@ -129,7 +140,7 @@ static Inertia inertia_inwards(const Model *model, Work *work, Strip strip, Iner
 {
     if (top_waits(model, strip)) a = with_top_of(inertia_past(model, work, strip, a, 0, model->n - 1), a);
     for (int i = strip.from; i < strip.to; i++) {
-        a = inertia_past(model, work, strip, a, i, first_tip(model) - i);
+        a = inertia_past(model, work, strip, a, i, partner_of(model, i));
         if (i % 8 == 7) a = rescaled(a);
     }
     return a;
@@ -138,7 +149,7 @@ static Inertia inertia_inwards(const Model *model, Work *work, Strip strip, Iner
 /* At the middle the top stands in the axes of the link below it, the tip in those of the one above: both in the first. */
 static Inertia in_middle_axes(const Model *model, const Work *work, Inertia a)
 {
-    const int middle = middle_of(model);
+    const int middle = model->middle;
     return rescaled(turned(a, (Lanes){1.0, work->turn_cosine[middle]}, (Lanes){0.0, work->turn_sine[middle]}));
 }
 
@@ -219,7 +230,7 @@ static Planar bias_inwards(const Model *model, Work *work, Strip strip, Planar z
         const Planar next = bias_past(work, strip, z, 0, model->n - 1);
         z.x[FROM_TIP] = next.x[FROM_TIP], z.y[FROM_TIP] = next.y[FROM_TIP];
     }
-    for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, first_tip(model) - i);
+    for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, partner_of(model, i));
     return z;
 }
 
@@ -264,9 +275,8 @@ static void answers_from_tip(const Model *model, Work *work, Strip strip)
 /* y <- M^T y + constant from the middle: R above, b below. answer[i + 1] is at link i's inner end, answer[0] is R_0. */
 static void answers_outwards(const Model *model, Work *work, Planar y)
 {
-    const int first = first_tip(model);
-    for (int i = middle_of(model) - 1; i >= 0; i--) {
-        const int tip = first - i;
+    for (int i = model->middle - 1; i >= 0; i--) {
+        const int tip = partner_of(model, i);
         put(work->answer_x, i + 1, tip + 1, y.x);
         put(work->answer_y, i + 1, tip + 1, y.y);
         y = (Planar){at(work->m_xx, i, tip) * y.x + (at(work->m_yx, i, tip) * y.y + at(work->constant_x, i, tip)),
@@ -331,16 +341,38 @@ static Planar meet(Inertia a, Planar free, Planar force)
                      ((p_ne * d_n + p_ee * d_e) - (c_ne * f_n + c_ee * f_e)) * scale}};
 }
 
+/* Inertia and bias of both parts where they meet, in the axes of the link `axes`. */
+typedef struct {
+    Inertia inertia;
+    Planar bias;
+    int axes;
+} Meeting;
+
+/* From the top alone the other part is the terminal itself. */
+static Meeting meeting_at_terminal(const Model *model, const Work *work, Inertia inertia, Planar bias,
+                                   const Port port[ENDS])
+{
+    const int last = model->n - 1;
+    const Lanes cosine = at(work->cosine, last, last), sine = at(work->sine, last, last);
+    const Planar ports = bias_of(port);
+    bias.x[FROM_TIP] = ports.x[FROM_TIP], bias.y[FROM_TIP] = ports.y[FROM_TIP];
+    return (Meeting){rescaled(with_top_of(turned(inertia_of(port), cosine, sine), inertia)), bias, last};
+}
+
 void VARIANT(chain_accelerations)(const Model *model, const double *x, const double *u, Work *work,
                                   double *acceleration)
 {
-    const int n = model->n, middle = middle_of(model);
+    const int n = model->n, middle = model->middle;
+    const bool alone = from_top_alone(model);
     const double sum_x = work->inward_x[n], sum_y = work->inward_y[n];
     Port port[ENDS];
     top_port(model, x, u, &port[FROM_TOP]);
     terminal_port(model, work, &port[FROM_TIP]);
-    Planar bias = bias_of(port);
-    Inertia inertia = turned(inertia_of(port), at(work->cosine, 0, n - 1), at(work->sine, 0, n - 1));
+    const Port start[ENDS] = {port[FROM_TOP], alone ? port[FROM_TOP] : port[FROM_TIP]};
+    const int outermost = alone ? 0 : n - 1;
+    Planar bias = bias_of(start);
+    Inertia inertia = turned(inertia_of(start), at(work->cosine, 0, outermost), at(work->sine, 0, outermost));
+    work->turn_sine[n] = 0.0, work->turn_cosine[n] = 1.0; /* behind the last link there are no other axes */
 
     int from = 0;
     do {
@@ -356,11 +388,15 @@ void VARIANT(chain_accelerations)(const Model *model, const double *x, const dou
         from = strip.to;
     } while (from < middle);
 
-    const double sine = work->sine[middle], cosine = work->cosine[middle];
-    const Planar free = {bias.x - sum_x, bias.y - sum_y};
-    const Planar met =
-        meet(in_middle_axes(model, work, inertia), in_axes(free, sine, cosine), in_axes(bias, sine, cosine));
-    answers_outwards(model, work, in_world(met, sine, cosine));
+    const Meeting at_middle = {in_middle_axes(model, work, inertia), bias, middle};
+    const Meeting where = alone ? meeting_at_terminal(model, work, inertia, bias, port) : at_middle;
+    const double sine = work->sine[where.axes], cosine = work->cosine[where.axes];
+    const Planar free = {where.bias.x - (sum_x + port[FROM_TIP].given_x),
+                         where.bias.y - (sum_y + port[FROM_TIP].given_y)};
+    const Planar met = meet(where.inertia, in_axes(free, sine, cosine), in_axes(where.bias, sine, cosine));
+    Planar answer = in_world(met, sine, cosine);
+    if (alone) answer.x[FROM_TIP] = answer.x[FROM_TOP], answer.y[FROM_TIP] = answer.y[FROM_TOP];
+    answers_outwards(model, work, answer);
     acceleration[0] = top_acceleration(model, x, u, work->answer_x[0], work->answer_y[0]);
     turn_links(model, work, middle, acceleration + 1);
 }

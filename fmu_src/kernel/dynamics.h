@@ -34,10 +34,12 @@ void terminal_force(const Model *model, const double *x, const double *u, Work *
 double terminal_energy(const Model *model, const double position[2], const double velocity[2]);
 
 /* What the cable is fastened to at P_0 or P_n: its inertia N / unit with det = det(N) / unit [ends.h], and its bias,
- * at the top the acceleration that it has when nothing pulls [m/s^2], at the terminal the force -F [N]. */
+ * at the top the acceleration that it has when nothing pulls [m/s^2], at the terminal the force -F [N]; and the
+ * acceleration that a terminal is given, whatever pulls [m/s^2]. */
 typedef struct {
     double xx, xy, yy, unit, det;
     double bias_x, bias_y;
+    double given_x, given_y;
 } Port;
 
 /* floater.c, terminal.c */

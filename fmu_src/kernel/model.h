@@ -71,6 +71,9 @@ typedef enum {
     LINK_COLUMNS
 } LinkColumn;
 
+/* How fast a drift away from the pin decays [1/s]: slow beside the cable, fast beside what a host's errors add up to. */
+#define PIN_RATE 10.0
+
 /* Constant during a run. The upper half comes from the resource file and the parameters, the lower half
  * is derived of it by model_prepare(). */
 typedef struct Model {
@@ -83,6 +86,7 @@ typedef struct Model {
     const double *link[LINK_COLUMNS]; /* as given */
 
     bool has_stiffness, has_damping, has_drag, has_spring;
+    int middle;                  /* links that are eliminated from the top; n: all of them [chain.c] */
     const Variant *variant;      /* what the processor can do */
     double *stiffness, *damping; /* k_i, c_i [N m/rad], [N m s/rad] */
     double *weight;              /* submerged, m_i^w g [N] */

@@ -9,7 +9,7 @@
 void cable_tensions(const Model *model, const double *derivative, const Work *work, double *top, double *end,
                     double *largest)
 {
-    const int n = model->n, middle = n / 2;
+    const int n = model->n, middle = model->middle;
     const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *turn = derivative + n + 2;
     double rx = work->answer_x[0], ry = work->answer_y[0];
     *top = *largest = -(rx * work->sine[0] + ry * work->cosine[0]);

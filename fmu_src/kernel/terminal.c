@@ -27,19 +27,37 @@ void terminal_force(const Model *model, const double *x, const double *u, Work *
     double *force = work->end_force;
     force[0] = u[U_F_cx];
     force[1] = u[U_F_cy] + u[U_u_m2] + model->end_weight;
-    if (!model->has_spring) return;
     double *position = work->end_position, *velocity = work->end_velocity;
-    terminal_motion(model, x, work, position, velocity);
+    if (model->has_spring || model->terminal == TERMINAL_PIN) terminal_motion(model, x, work, position, velocity);
+    if (!model->has_spring) return;
     for (int k = 0; k < 2; k++)
         force[k] +=
             model->preload[k] - model->spring[k] * (position[k] - model->rest[k]) - model->damper[k] * velocity[k];
 }
 
-/* P_n answers with R = m_c b - force: the mass in every direction. */
+/*
+ * P_n answers with R = m_c b - force: the mass in every direction. A pin takes any R, and its acceleration is given:
+ * zero, were it not for the drift of whoever integrates it, which decays with Baumgarte's a = -2 r V - r^2 (P - P_pin)
+ * (Comput. Methods Appl. Mech. Eng. 1 (1972) 1-16).
+ */
 void terminal_port(const Model *model, const Work *work, Port *port)
 {
+    if (model->terminal == TERMINAL_PIN) {
+        double given[2];
+        for (int k = 0; k < 2; k++) {
+            const double drift = work->end_position[k] - model->rest[k];
+            given[k] = -PIN_RATE * (2.0 * work->end_velocity[k] + PIN_RATE * drift);
+        }
+        *port = (Port){.det = 1.0, .given_x = given[0], .given_y = given[1]};
+        return;
+    }
     const double mass = model->end_mass;
-    *port = (Port){mass, 0.0, mass, 1.0, mass * mass, -work->end_force[0], -work->end_force[1]};
+    *port = (Port){.xx = mass,
+                   .yy = mass,
+                   .unit = 1.0,
+                   .det = mass * mass,
+                   .bias_x = -work->end_force[0],
+                   .bias_y = -work->end_force[1]};
 }
 
 /* Kinetic energy of m_c, its weight, and the support's springs with their preload. */

@@ -48,6 +48,9 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_repeat": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_repeat_core": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_outputs": (None, _POINTER, _ARRAY, _POINTER, _ARRAY),
+    "probe_directional": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    "probe_linear": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    "probe_repeat_linear": (None, _POINTER, _INT, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_restart": (None, _POINTER, _DOUBLE),
     "probe_advance": (_INT, _POINTER, ctypes.POINTER(_DOUBLE), _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
     "probe_tableau": (_INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
@@ -179,6 +182,23 @@ class Kernel:
         """The outputs that need no accelerations; NaN for the others."""
         self.spoil_scratch()
         return self._outputs(np.concatenate([q, v]), None)
+
+    def directional(self, x: Floats, u: Floats, dx: Floats, du: Floats) -> tuple[Floats, dict[str, float]] | None:
+        """Change of the derivatives, shape (2 (n + 1),), and of every output, with (dx, du); None where singular."""
+        derivative, change, output = np.empty_like(x), np.empty_like(x), np.full(len(table().outputs), np.nan)
+        if not self._library.probe_directional(self._handle, x, u, dx, du, derivative, change, output):
+            return None
+        return change, dict(zip(table().outputs, output.tolist(), strict=True))
+
+    def linear(self, x: Floats, u: Floats, weights: Floats, force: Floats, end: Floats) -> tuple[int, Floats, Floats, Floats]:
+        """Solve L change = force: how many pivots are negative, change, and L change and its end relation by a product."""
+        change, back, found = np.empty_like(force), np.empty_like(force), end.copy()
+        negative = self._library.probe_linear(self._handle, x, u, weights, force, found, change, back)
+        return negative, change, back, found
+
+    def repeat_linear(self, what: int, weights: Floats, force: Floats, times: int) -> None:
+        """That many factorisations (1), solutions (2) or products (3) about the last point, to be timed."""
+        self._library.probe_repeat_linear(self._handle, what, weights, force, np.empty_like(force), times)
 
     def constants(self) -> Floats:
         """A copy of the model's parameters and derived arrays."""

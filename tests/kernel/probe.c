@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../../fmu_src/kernel/directional.h"
 #include "../../fmu_src/kernel/dynamics.h"
 #include "../../fmu_src/kernel/processor.h"
 #include "../../fmu_src/kernel/sincos.h"
@@ -15,7 +16,8 @@ typedef struct {
     Model model;
     Work work;
     SolverMemory memory;
-    double *derived, *scratch, *stages;
+    Linear linear;
+    double *derived, *scratch, *stages, *factors;
 } Probe;
 
 /* The link arrays stay the caller's: link[LINK_COLUMNS][n], to be kept as long as the probe. */
@@ -24,13 +26,16 @@ Probe *probe_new(int n, int terminal, int drag, uint64_t present, const double *
 {
     Probe *probe = calloc(1, sizeof *probe);
     if (!probe) return NULL;
-    probe->derived = calloc(model_doubles(n) + work_doubles(n) + explicit_doubles(n), sizeof(double));
+    probe->derived =
+        calloc(model_doubles(n) + work_doubles(n) + explicit_doubles(n) + linear_doubles(n), sizeof(double));
     if (!probe->derived) {
         free(probe);
         return NULL;
     }
     probe->scratch = probe->derived + model_doubles(n);
     probe->stages = probe->scratch + work_doubles(n);
+    probe->factors = probe->stages + explicit_doubles(n);
+    linear_layout(&probe->linear, n, probe->factors);
     Model *model = &probe->model;
     model->n = n;
     model->terminal = (Terminal)terminal;
@@ -168,6 +173,48 @@ void probe_repeat_core(Probe *probe, double *x, const double *u, double *derivat
 void probe_outputs(Probe *probe, const double *x, const double *derivative, double *output)
 {
     cable_outputs(&probe->model, x, derivative, &probe->work, output, derivative != NULL);
+}
+
+/* Directional derivatives of right-hand side and outputs at (x, u); 0 where there are none. */
+int probe_directional(Probe *probe, const double *x, const double *u, const double *dx, const double *du,
+                      double *derivative, double *d_derivative, double *d_output)
+{
+    cable_derivatives(&probe->model, x, u, &probe->work, derivative);
+    if (!directional_point(&probe->model, x, &probe->work, derivative, &probe->linear)) return 0;
+    directional_derivatives(&probe->model, x, &probe->linear, dx, du, d_derivative, d_output);
+    return 1;
+}
+
+/* At (x, u): L change = force with the given weights; how many pivots are negative. back: L change once more, by
+ * linear_apply(), which has no factors; end[0 ... 1]: what the relation of a held end is to be, then what it is. */
+int probe_linear(Probe *probe, const double *x, const double *u, const double *weights, const double *force,
+                 double *end, double *change, double *back)
+{
+    const int half = probe->model.n + 1;
+    double *derivative = probe->stages, *dq = derivative + 2 * half, *dv = dq + half, *da = dv + half;
+    Linear *linear = &probe->linear;
+    cable_derivatives(&probe->model, x, u, &probe->work, derivative);
+    linear_point(&probe->model, x, &probe->work, derivative, linear);
+    const int negative = linear_factor(&probe->model, (Weights){weights[0], weights[1], weights[2]}, linear);
+    if (negative < 0) return negative;
+    linear_solve(&probe->model, linear, force, end, change);
+    for (int k = 0; k < half; k++) {
+        dq[k] = weights[0] * change[k], dv[k] = weights[1] * change[k], da[k] = weights[2] * change[k];
+    }
+    linear_apply(&probe->model, linear, dq, dv, da, back, end);
+    return negative;
+}
+
+/* The same many times, for whoever holds the clock: what 1 is a factorisation, 2 a solution, 3 a product. */
+void probe_repeat_linear(Probe *probe, int what, const double *weights, double *force, double *change, int times)
+{
+    double end[2] = {0.0, 0.0};
+    for (int k = 0; k < times; k++) {
+        if (what == 1) linear_factor(&probe->model, (Weights){weights[0], weights[1], weights[2]}, &probe->linear);
+        if (what == 2) linear_solve(&probe->model, &probe->linear, force, end, change);
+        if (what == 3) linear_apply(&probe->model, &probe->linear, force, force, force, change, end);
+        force[0] += 1e-12 * change[0];
+    }
 }
 
 /* u_k(t) = constant_k + amplitude_k sin(pulsation_k t); pulsation in rad/s. */

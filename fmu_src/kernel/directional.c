@@ -1,0 +1,99 @@
+#include "directional.h"
+
+#include <string.h>
+
+bool directional_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear)
+{
+    linear_point(model, x, work, derivative, linear);
+    return linear_factor(model, (Weights){0.0, 0.0, 1.0}, linear) >= 0;
+}
+
+/* P_n and its velocity. */
+static void terminal_changes(const Model *model, const Linear *linear, const double *dq, const double *dv, double *dy)
+{
+    const double *length = model->link[LINK_LENGTH];
+    double px = 0.0, py = dq[0], vx = 0.0, vy = dv[0];
+    for (int i = 0; i < model->n; i++) {
+        const double nx = linear->cosine[i], ny = -linear->sine[i], ex = -ny, ey = nx, l = length[i];
+        const double spin = linear->rate[i] * dq[i + 1];
+        px += l * nx * dq[i + 1];
+        py += l * ny * dq[i + 1];
+        vx += l * (nx * dv[i + 1] - ex * spin);
+        vy += l * (ny * dv[i + 1] - ey * spin);
+    }
+    dy[Y_x_c] = px, dy[Y_y_c] = py, dy[Y_vx_c] = vx, dy[Y_vy_c] = vy;
+}
+
+/* Of the pull -R . e at a node along link i: -dR . e - R . n dth. */
+static double pull_change(const Linear *linear, int node, int i, double turn)
+{
+    const double ex = linear->sine[i], ey = linear->cosine[i];
+    return -(linear->react_x[node] * ex + linear->react_y[node] * ey) -
+           (linear->force_x[node] * ey - linear->force_y[node] * ex) * turn;
+}
+
+/* The largest pull changes as the one does that is the largest. */
+static void tension_changes(const Model *model, const Linear *linear, const double *dq, double *dy)
+{
+    const int n = model->n;
+    double largest = -1.0 / 0.0;
+    for (int i = 0; i < n; i++) {
+        for (int node = i; node <= i + 1; node++) {
+            const double pull = -(linear->force_x[node] * linear->sine[i] + linear->force_y[node] * linear->cosine[i]);
+            if (!(pull > largest)) continue;
+            largest = pull;
+            dy[Y_tension_max] = pull_change(linear, node, i, dq[i + 1]);
+        }
+    }
+    dy[Y_tension_top] = pull_change(linear, 0, 0, dq[1]);
+    dy[Y_tension_end] = pull_change(linear, n, n - 1, dq[n]);
+}
+
+/* The derivative of energy.c, line by line. */
+static double energy_change(const Model *model, const double *x, const Linear *linear, const double *dx)
+{
+    const int n = model->n;
+    const double *p = model->parameter, *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
+    const double *dq = dx, *dv = dx + n + 1, *v = x + n + 1;
+    double px = 0.0, py = x[0], vx = 0.0, vy = v[0], dpx = 0.0, dpy = dq[0], dvx = 0.0, dvy = dv[0];
+    double change = p[P_M_1] * v[0] * dv[0] + (p[P_k_m1] * x[0] + p[P_static_load]) * dq[0];
+    for (int i = 0; i < n; i++) {
+        const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, l = length[i];
+        const double rate = v[i + 1], dt = dq[i + 1], spin = rate * dt;
+        const double inertia = model->link[LINK_INERTIA][i] + (i == n - 1 ? model->end_inertia : 0.0);
+        const double step_x = l * rate * nx, step_y = l * rate * ny;
+        const double d_step_x = l * (nx * dv[i + 1] - ex * spin), d_step_y = l * (ny * dv[i + 1] - ey * spin);
+        const double above = i ? x[i] : 0.0, d_above = i ? dq[i] : 0.0;
+        change +=
+            mass[i] * ((vx + 0.5 * step_x) * (dvx + 0.5 * d_step_x) + (vy + 0.5 * step_y) * (dvy + 0.5 * d_step_y));
+        change += inertia * rate * dv[i + 1] - model->weight[i] * (dpy + 0.5 * l * ny * dt);
+        change += model->stiffness[i] * (x[i + 1] - above) * (dt - d_above);
+        px += l * ex, py += l * ey, dpx += l * nx * dt, dpy += l * ny * dt;
+        vx += step_x, vy += step_y, dvx += d_step_x, dvy += d_step_y;
+    }
+    change += model->end_mass * (vx * dvx + vy * dvy) - model->end_weight * dpy;
+    if (!model->has_spring) return change;
+    change += (model->spring[0] * (px - model->rest[0]) - model->preload[0]) * dpx;
+    return change + (model->spring[1] * (py - model->rest[1]) - model->preload[1]) * dpy;
+}
+
+void directional_derivatives(const Model *model, const double *x, Linear *linear, const double *dx, const double *du,
+                             double *d_derivative, double *d_output)
+{
+    const int half = model->n + 1;
+    const double *dq = dx, *dv = dx + half;
+    double *da = d_derivative + half, *force = d_derivative, end[2];
+    /* M da = du - ID_q dq - ID_v dv */
+    linear_apply(model, linear, dq, dv, NULL, force, end);
+    for (int k = 0; k < half; k++) force[k] = -force[k];
+    for (int k = 0; k < 2; k++) end[k] = -end[k];
+    linear_inputs(model, linear, du, force, end);
+    linear_solve(model, linear, force, end, da);
+    memcpy(d_derivative, dv, (size_t)half * sizeof *dv);
+    if (!d_output) return;
+    linear_reactions(model, linear, dq, dv, da, du);
+    d_output[Y_y_m1] = dq[0], d_output[Y_v_m1] = dv[0];
+    terminal_changes(model, linear, dq, dv, d_output);
+    tension_changes(model, linear, dq, d_output);
+    d_output[Y_energy] = energy_change(model, x, linear, dx);
+}

@@ -1,0 +1,18 @@
+/*
+ * Exact directional derivatives of the right-hand side and of the outputs, in O(n) each: what changes when states and
+ * inputs change by (dx, du).
+ */
+#ifndef CABLE_DIRECTIONAL_H
+#define CABLE_DIRECTIONAL_H
+
+#include "linear.h"
+
+/* Take the state x; `work` and `derivative` as cable_derivatives() left them for it. False where the inertia matrix is
+ * singular: a taut, straight cable between two ends that cannot move. */
+bool directional_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear);
+
+/* Changes of derivative[2 (n + 1)] and, unless NULL, output[OUTPUT_COUNT] with dx[2 (n + 1)] and du[INPUT_COUNT]. */
+void directional_derivatives(const Model *model, const double *x, Linear *linear, const double *dx, const double *du,
+                             double *d_derivative, double *d_output);
+
+#endif

@@ -1,0 +1,440 @@
+#include "linear.h"
+
+#include <math.h>
+
+/*
+ * Nodes, links and forces as in chain.c. With d the unknown of a link, its angle changes by w_q d, its rate by w_v d and
+ * its angular acceleration by w_a d. Position, velocity and acceleration of its lower node then change, besides what
+ * the upper node does, by
+ *     dP += w_q l n d        dV += (w_v n - w_q w e) l d        dA += ((w_a - w_q w^2) n - (2 w_v w + w_q th'') e) l d
+ * and half of that at its centre. With D the drag and T the torque of the joint above,
+ *     dR_i = dR_{i+1} + m dA_c - dD            dD = -2 c |v_n| (n.dV_c - e.V_c w_q d) n - f e w_q d
+ *     w_a I d + (l/2) n.(dR_i + dR_{i+1}) - (l/2) e.(R_i + R_{i+1}) w_q d + dT_i - dT_{i+1} = b
+ *     dT_i = kappa (d_i - d_{i-1}),  kappa = w_q k + w_v c
+ * Everything below a node answers linearly to z = (dA, dV, dP) of that node: dR = S z + s d + r and dT = U z + u d + t,
+ * d being the unknown of the link above. The sweep from the tip eliminates one link after the other:
+ *     X = S phi + s     Y = X + beta     phi, beta: what d does to z below the link and to the force on it
+ *     p = w_a I + (l/2) n.(2 X + beta) - (l/2) e.(R_i + R_{i+1}) w_q + kappa - U phi - u
+ *     G = (l/2) n.(2 S + B) - U     B: what z does to the force on the link
+ *     rho = b - l n.r + t
+ *     S <- S + B - Y G/p     s <- Y kappa/p     r <- r + Y rho/p
+ *     U <- -kappa G/p        u <- kappa^2/p - kappa        t <- kappa rho/p
+ * and the sweep down finds d = (rho - G z + kappa d_above)/p.
+ *
+ * An end that cannot move, or hardly, is not eliminated but bordered: the force through P_n is an unknown of its own,
+ *     dA_n + (c/m) dV_n + (k/m) dP_n - dR_{n+1}/m = given
+ * for a mass m on a spring-damper, and with c/m = 2 r, k/m = r^2, 1/m = 0 for a pin [terminal.c].
+ */
+
+enum { SPARE = 1 };
+
+#define LINEAR_ARRAYS(w)                                                                                               \
+    &(w)->sine, &(w)->cosine, &(w)->rate, &(w)->turn, &(w)->force_x, &(w)->force_y, &(w)->pull, &(w)->drag,            \
+        &(w)->drag_gain, &(w)->slip, &(w)->a_n, &(w)->a_e, &(w)->v_n, &(w)->v_e, &(w)->p_n, &(w)->lift_x,              \
+        &(w)->lift_y, &(w)->per_pivot, &(w)->bend, &(w)->gain[0], &(w)->gain[1], &(w)->gain[2], &(w)->gain[3],         \
+        &(w)->gain[4], &(w)->gain[5], &(w)->unit_x, &(w)->unit_y, &(w)->ahead, &(w)->known_ax, &(w)->known_ay,         \
+        &(w)->known_vx, &(w)->known_vy, &(w)->react_x, &(w)->react_y
+
+size_t linear_doubles(int n)
+{
+    Linear linear;
+    double **const array[] = {LINEAR_ARRAYS(&linear)};
+    return sizeof array / sizeof *array * ((size_t)n + SPARE);
+}
+
+void linear_layout(Linear *linear, int n, double *block)
+{
+    double **const array[] = {LINEAR_ARRAYS(linear)};
+    for (size_t k = 0; k < sizeof array / sizeof *array; k++) *array[k] = block + k * ((size_t)n + SPARE);
+}
+
+/* I_R of a link, the terminal's on the last. */
+static double inertia_of(const Model *model, int i)
+{
+    return model->link[LINK_INERTIA][i] + (i == model->n - 1 ? model->end_inertia : 0.0);
+}
+
+/* R down the cable as in tension.c, and e.(R_i + R_{i+1}). */
+static void take_forces(const Model *model, const Work *work, const double *turn, Linear *linear)
+{
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
+    double rx = work->answer_x[0], ry = work->answer_y[0];
+    for (int i = 0; i < model->n; i++) {
+        const double ex = work->sine[i], ey = work->cosine[i], swing = 0.5 * length[i] * turn[i];
+        const double upper = rx * ex + ry * ey;
+        linear->force_x[i] = rx, linear->force_y[i] = ry;
+        if (i < model->middle) {
+            rx = work->answer_x[i + 1], ry = work->answer_y[i + 1];
+        } else {
+            rx += work->drive_x[i] - mass[i] * (work->answer_x[i + 1] + swing * ey);
+            ry += work->drive_y[i] - mass[i] * (work->answer_y[i + 1] - swing * ex);
+        }
+        linear->pull[i] = upper + (rx * ex + ry * ey);
+    }
+    linear->force_x[model->n] = rx, linear->force_y[model->n] = ry;
+}
+
+void linear_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear)
+{
+    const int n = model->n;
+    const double *length = model->link[LINK_LENGTH], *factor = model->drag_factor;
+    const double *rate = x + n + 2, *turn = derivative + n + 2;
+    linear->is_held = model->middle == n;
+    linear->columns = model->has_spring && !linear->is_held ? MOST_COLUMNS : model->has_drag ? COLUMN_P : COLUMN_V;
+    for (int i = 0; i < n; i++) {
+        linear->sine[i] = work->sine[i], linear->cosine[i] = work->cosine[i];
+        linear->rate[i] = rate[i], linear->turn[i] = turn[i];
+    }
+    for (int i = 0; i < n && model->has_drag; i++) {
+        const double ex = work->sine[i], ey = work->cosine[i], vx = work->velocity_x[i], vy = work->velocity_y[i];
+        const double across = (ey * vx - ex * vy) + 0.5 * length[i] * rate[i];
+        linear->drag[i] = -factor[i] * (fabs(across) * across);
+        linear->drag_gain[i] = 2.0 * factor[i] * fabs(across);
+        linear->slip[i] = ex * vx + ey * vy;
+    }
+    take_forces(model, work, turn, linear);
+}
+
+/* How the unknown of link i moves its lower node; also 1 for the weights. */
+static void take_moves(const Model *model, Linear *linear)
+{
+    const double *length = model->link[LINK_LENGTH], *stiffness = model->stiffness, *damping = model->damping;
+    const Weights w = linear->weights;
+    for (int i = 0; i < model->n; i++) {
+        const double l = length[i], rate = linear->rate[i];
+        linear->a_n[i] = l * (w.a - w.q * (rate * rate));
+        linear->a_e[i] = -l * (2.0 * w.v * rate + w.q * linear->turn[i]);
+        linear->v_n[i] = l * w.v;
+        linear->v_e[i] = -l * w.q * rate;
+        linear->p_n[i] = l * w.q;
+        linear->bend[i] = w.q * stiffness[i] + w.v * damping[i];
+    }
+}
+
+/* What hangs below a node: dR = S z + s d + r, dT = U z + u d + t; r and t are the solution's affair. */
+typedef struct {
+    double x[MOST_COLUMNS], y[MOST_COLUMNS]; /* S by rows */
+    double above_x, above_y;                 /* s */
+    double torque[MOST_COLUMNS];             /* U */
+    double torque_above;                     /* u */
+} Below;
+
+static Below below_terminal(const Model *model, const Linear *linear)
+{
+    Below below = {{0}, {0}, 0.0, 0.0, {0}, 0.0};
+    if (linear->is_held) return below;
+    below.x[COLUMN_A] = below.y[COLUMN_A + 1] = model->end_mass;
+    below.x[COLUMN_V] = model->damper[0], below.y[COLUMN_V + 1] = model->damper[1];
+    below.x[COLUMN_P] = model->spring[0], below.y[COLUMN_P + 1] = model->spring[1];
+    return below;
+}
+
+/* One link up. Returns its pivot, or 0 where nothing but rounding is left of it. */
+static inline double eliminate(const Model *model, Linear *linear, int i, int columns, Below *below)
+{
+    const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex;
+    const double l = model->link[LINK_LENGTH][i], m = model->link[LINK_MASS][i], bend = linear->bend[i];
+    const Weights w = linear->weights;
+    const bool wet = columns > COLUMN_V && model->has_drag;
+    const double gain = wet ? linear->drag_gain[i] : 0.0, drag = wet ? linear->drag[i] : 0.0;
+    const double slip = wet ? linear->slip[i] : 0.0;
+    const double phi[MOST_COLUMNS] = {linear->a_n[i] * nx + linear->a_e[i] * ex,
+                                      linear->a_n[i] * ny + linear->a_e[i] * ey,
+                                      linear->v_n[i] * nx + linear->v_e[i] * ex,
+                                      linear->v_n[i] * ny + linear->v_e[i] * ey,
+                                      linear->p_n[i] * nx,
+                                      linear->p_n[i] * ny};
+    double xx = below->above_x, xy = below->above_y, turned = below->torque_above;
+    for (int c = 0; c < columns; c++) {
+        xx += below->x[c] * phi[c];
+        xy += below->y[c] * phi[c];
+        turned += below->torque[c] * phi[c];
+    }
+    const double across = 0.5 * gain * linear->v_n[i] - gain * slip * w.q; /* of beta, along n; n.phi_V = v_n */
+    const double beta_x = 0.5 * m * phi[0] + across * nx + drag * w.q * ex;
+    const double beta_y = 0.5 * m * phi[1] + across * ny + drag * w.q * ey;
+    const double lift_x = xx + beta_x, lift_y = xy + beta_y;
+    const double mass_part = w.a * inertia_of(model, i) + 0.5 * l * (nx * (xx + lift_x) + ny * (xy + lift_y));
+    const double pull_part = -0.5 * l * w.q * linear->pull[i], bend_part = bend - turned;
+    const double pivot = mass_part + pull_part + bend_part;
+    if (!(fabs(pivot) > 1e-14 * (fabs(mass_part) + fabs(pull_part) + fabs(bend) + fabs(turned)))) return 0.0;
+    const double per_pivot = 1.0 / pivot, bend_gain = bend * per_pivot;
+    for (int c = 0; c < columns; c++) {
+        const double b_x = c == COLUMN_A       ? m
+                           : c == COLUMN_V     ? gain * nx * nx
+                           : c == COLUMN_V + 1 ? gain * nx * ny
+                                               : 0.0;
+        const double b_y = c == COLUMN_A + 1   ? m
+                           : c == COLUMN_V     ? gain * nx * ny
+                           : c == COLUMN_V + 1 ? gain * ny * ny
+                                               : 0.0;
+        const double sum_x = 2.0 * below->x[c] + b_x, sum_y = 2.0 * below->y[c] + b_y;
+        const double g = (0.5 * l * (nx * sum_x + ny * sum_y) - below->torque[c]) * per_pivot;
+        below->x[c] += b_x - lift_x * g;
+        below->y[c] += b_y - lift_y * g;
+        below->torque[c] = -bend * g;
+        linear->gain[c][i] = g;
+    }
+    below->above_x = lift_x * bend_gain, below->above_y = lift_y * bend_gain;
+    below->torque_above = bend * bend_gain - bend;
+    linear->lift_x[i] = lift_x, linear->lift_y[i] = lift_y;
+    linear->per_pivot[i] = per_pivot;
+    return pivot;
+}
+
+/* Inlined with a constant number of columns, which the compiler unrolls. */
+static inline int sweep_up(const Model *model, Linear *linear, int columns, Below *below)
+{
+    int negative = 0;
+    for (int i = model->n - 1; i >= 0; i--) {
+        const double pivot = eliminate(model, linear, i, columns, below);
+        if (pivot == 0.0) return -1;
+        negative += pivot < 0.0;
+    }
+    return negative;
+}
+
+static double top_pivot(const Model *model, Weights w, const Below *below, int columns)
+{
+    const double *p = model->parameter, moved[] = {w.a, w.v, w.q};
+    double pivot = w.a * p[P_M_1] + w.v * p[P_c_m1] + w.q * p[P_k_m1];
+    for (int c = 0; c < columns; c += 2) pivot += below->y[c + 1] * moved[c / 2]; /* the heave moves along y alone */
+    return pivot;
+}
+
+/* Without a held end: L d = force, z_0 and d_0 being the top's. */
+static inline void solve_chain(const Model *model, Linear *linear, int columns, const double *force, double rx,
+                               double ry, double *change)
+{
+    const int n = model->n;
+    const double *length = model->link[LINK_LENGTH];
+    double t = 0.0;
+    for (int i = n - 1; i >= 0; i--) {
+        const double nx = linear->cosine[i], ny = -linear->sine[i];
+        const double rho = (force ? force[i + 1] : 0.0) - length[i] * (nx * rx + ny * ry) + t;
+        const double q = rho * linear->per_pivot[i];
+        linear->ahead[i] = q;
+        rx += linear->lift_x[i] * q;
+        ry += linear->lift_y[i] * q;
+        t = linear->bend[i] * q;
+    }
+    const Weights w = linear->weights;
+    const double heave = ((force ? force[0] : 0.0) - ry) * linear->top_per_pivot;
+    double z[MOST_COLUMNS] = {0.0, w.a * heave, 0.0, w.v * heave, 0.0, w.q * heave}, above = 0.0;
+    change[0] = heave;
+    for (int i = 0; i < n; i++) {
+        const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex;
+        double d = linear->ahead[i] + linear->bend[i] * linear->per_pivot[i] * above;
+        for (int c = 0; c < columns; c++) d -= linear->gain[c][i] * z[c];
+        z[0] += (linear->a_n[i] * nx + linear->a_e[i] * ex) * d;
+        z[1] += (linear->a_n[i] * ny + linear->a_e[i] * ey) * d;
+        if (columns > COLUMN_V) {
+            z[2] += (linear->v_n[i] * nx + linear->v_e[i] * ex) * d;
+            z[3] += (linear->v_n[i] * ny + linear->v_e[i] * ey) * d;
+        }
+        if (columns > COLUMN_P) {
+            z[4] += linear->p_n[i] * nx * d;
+            z[5] += linear->p_n[i] * ny * d;
+        }
+        change[i + 1] = above = d;
+    }
+}
+
+static void solve_free(const Model *model, Linear *linear, const double *force, double rx, double ry, double *change)
+{
+    switch (linear->columns) {
+    case COLUMN_V: solve_chain(model, linear, COLUMN_V, force, rx, ry, change); break;
+    case COLUMN_P: solve_chain(model, linear, COLUMN_P, force, rx, ry, change); break;
+    default: solve_chain(model, linear, MOST_COLUMNS, force, rx, ry, change);
+    }
+}
+
+/* c/m, k/m along x and y, and 1/m of a held end. */
+typedef struct {
+    double damper[2], spring[2], per_mass;
+} HeldEnd;
+
+static HeldEnd held_end(const Model *model)
+{
+    const double rate = PIN_RATE;
+    if (model->terminal == TERMINAL_PIN) return (HeldEnd){{2.0 * rate, 2.0 * rate}, {rate * rate, rate * rate}, 0.0};
+    const double per_mass = 1.0 / model->end_mass;
+    return (HeldEnd){{model->damper[0] * per_mass, model->damper[1] * per_mass},
+                     {model->spring[0] * per_mass, model->spring[1] * per_mass},
+                     per_mass};
+}
+
+/* dA_n + (c/m) dV_n + (k/m) dP_n of what linear_solve() found. */
+static void end_of_change(const Model *model, const Linear *linear, const double *change, double end[2])
+{
+    const HeldEnd held = held_end(model);
+    const Weights w = linear->weights;
+    double a[2] = {0.0, w.a * change[0]}, v[2] = {0.0, w.v * change[0]}, p[2] = {0.0, w.q * change[0]};
+    for (int i = 0; i < model->n; i++) {
+        const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, d = change[i + 1];
+        a[0] += (linear->a_n[i] * nx + linear->a_e[i] * ex) * d;
+        a[1] += (linear->a_n[i] * ny + linear->a_e[i] * ey) * d;
+        v[0] += (linear->v_n[i] * nx + linear->v_e[i] * ex) * d;
+        v[1] += (linear->v_n[i] * ny + linear->v_e[i] * ey) * d;
+        p[0] += linear->p_n[i] * nx * d;
+        p[1] += linear->p_n[i] * ny * d;
+    }
+    for (int k = 0; k < 2; k++) end[k] = a[k] + held.damper[k] * v[k] + held.spring[k] * p[k];
+}
+
+/*
+ * The border: answers to unit forces through P_n, and the inverse of how the relation at the end follows them. Returns
+ * how many negative eigenvalues that relation has, or -1 where it is singular.
+ */
+static int make_border(const Model *model, Linear *linear)
+{
+    const double per_mass = held_end(model).per_mass;
+    double at_x[2], at_y[2];
+    solve_free(model, linear, NULL, 1.0, 0.0, linear->unit_x);
+    solve_free(model, linear, NULL, 0.0, 1.0, linear->unit_y);
+    end_of_change(model, linear, linear->unit_x, at_x);
+    end_of_change(model, linear, linear->unit_y, at_y);
+    const double xx = at_x[0] - per_mass, yy = at_y[1] - per_mass, xy = at_y[0], yx = at_x[1];
+    const double det = xx * yy - xy * yx;
+    if (!(fabs(det) > 1e-28 * (fabs(xx * yy) + fabs(xy * yx)))) return -1;
+    linear->border[0] = yy / det, linear->border[1] = -xy / det;
+    linear->border[2] = -yx / det, linear->border[3] = xx / det;
+    return det < 0.0 ? 1 : xx < 0.0 ? 2 : 0;
+}
+
+static int eliminate_all(const Model *model, Linear *linear, Below *below)
+{
+    switch (linear->columns) {
+    case COLUMN_V: return sweep_up(model, linear, COLUMN_V, below);
+    case COLUMN_P: return sweep_up(model, linear, COLUMN_P, below);
+    default: return sweep_up(model, linear, MOST_COLUMNS, below);
+    }
+}
+
+int linear_factor(const Model *model, Weights weights, Linear *linear)
+{
+    linear->weights = weights;
+    take_moves(model, linear);
+    Below below = below_terminal(model, linear);
+    int negative = eliminate_all(model, linear, &below);
+    const double pivot = top_pivot(model, weights, &below, linear->columns);
+    if (negative < 0 || !(fabs(pivot) > 0.0)) return -1;
+    linear->top_per_pivot = 1.0 / pivot;
+    negative += pivot < 0.0;
+    if (!linear->is_held) return negative;
+    /* A constraint of two rows has two negative eigenvalues of its own in the bordered matrix. */
+    const int of_border = make_border(model, linear);
+    return of_border < 0 ? -1 : negative + of_border - 2;
+}
+
+void linear_solve(const Model *model, Linear *linear, const double *force, const double end[2], double *change)
+{
+    solve_free(model, linear, force, 0.0, 0.0, change);
+    if (!linear->is_held) return;
+    double found[2];
+    end_of_change(model, linear, change, found);
+    const double off_x = end[0] - found[0], off_y = end[1] - found[1];
+    const double through_x = linear->border[0] * off_x + linear->border[1] * off_y;
+    const double through_y = linear->border[2] * off_x + linear->border[3] * off_y;
+    for (int k = 0; k <= model->n; k++) change[k] += linear->unit_x[k] * through_x + linear->unit_y[k] * through_y;
+    linear->through[0] = through_x, linear->through[1] = through_y;
+}
+
+/* A change that is given, down the cable: of the nodes' acceleration, velocity and position, and at the links' centres. */
+static void carry_down(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
+                       double z[MOST_COLUMNS])
+{
+    const double *length = model->link[LINK_LENGTH];
+    double ax = 0.0, ay = da ? da[0] : 0.0, vx = 0.0, vy = dv ? dv[0] : 0.0, px = 0.0, py = dq ? dq[0] : 0.0;
+    for (int i = 0; i < model->n; i++) {
+        const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, w = linear->rate[i];
+        const double q = dq ? dq[i + 1] : 0.0, v = dv ? dv[i + 1] : 0.0, a = da ? da[i + 1] : 0.0, l = length[i];
+        const double a_n = l * (a - w * w * q), a_e = -l * (2.0 * w * v + linear->turn[i] * q);
+        const double v_n = l * v, v_e = -l * w * q, p_n = l * q;
+        const double step_ax = a_n * nx + a_e * ex, step_ay = a_n * ny + a_e * ey;
+        const double step_vx = v_n * nx + v_e * ex, step_vy = v_n * ny + v_e * ey;
+        linear->known_ax[i] = ax + 0.5 * step_ax, linear->known_ay[i] = ay + 0.5 * step_ay;
+        linear->known_vx[i] = vx + 0.5 * step_vx, linear->known_vy[i] = vy + 0.5 * step_vy;
+        ax += step_ax, ay += step_ay;
+        vx += step_vx, vy += step_vy;
+        px += p_n * nx, py += p_n * ny;
+    }
+    z[0] = ax, z[1] = ay, z[2] = vx, z[3] = vy, z[4] = px, z[5] = py;
+}
+
+/* Up the cable with what carry_down() left, R_{n+1} changing by (rx, ry): the other R, and the missing forces. */
+static void carry_up(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
+                     double rx, double ry, double *force)
+{
+    const int n = model->n;
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *p = model->parameter;
+    double torque_below = 0.0;
+    linear->react_x[n] = rx, linear->react_y[n] = ry;
+    for (int i = n - 1; i >= 0; i--) {
+        const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, l = length[i];
+        const double q = dq ? dq[i + 1] : 0.0, v = dv ? dv[i + 1] : 0.0, a = da ? da[i + 1] : 0.0;
+        const double q_above = dq && i ? dq[i] : 0.0, v_above = dv && i ? dv[i] : 0.0; /* joint 1: the angle itself */
+        double step_x = mass[i] * linear->known_ax[i], step_y = mass[i] * linear->known_ay[i];
+        if (model->has_drag) {
+            const double across = nx * linear->known_vx[i] + ny * linear->known_vy[i] - linear->slip[i] * q;
+            const double push = linear->drag_gain[i] * across, pull = linear->drag[i] * q;
+            step_x += push * nx + pull * ex;
+            step_y += push * ny + pull * ey;
+        }
+        const double torque = model->stiffness[i] * (q - q_above) + model->damping[i] * (v - v_above);
+        if (force)
+            force[i + 1] = inertia_of(model, i) * a + 0.5 * l * (nx * (2.0 * rx + step_x) + ny * (2.0 * ry + step_y)) -
+                           0.5 * l * linear->pull[i] * q + (torque - torque_below);
+        rx += step_x, ry += step_y;
+        linear->react_x[i] = rx, linear->react_y[i] = ry;
+        torque_below = torque;
+    }
+    if (force)
+        force[0] = ry + p[P_M_1] * (da ? da[0] : 0.0) + p[P_c_m1] * (dv ? dv[0] : 0.0) + p[P_k_m1] * (dq ? dq[0] : 0.0);
+}
+
+/* Change of the force that the terminal's mass and support take, for a change z of its motion. */
+static double end_reaction(const Model *model, const double *z, int axis)
+{
+    return model->end_mass * z[axis] + model->damper[axis] * z[2 + axis] + model->spring[axis] * z[4 + axis];
+}
+
+void linear_apply(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
+                  double *force, double end[2])
+{
+    double z[MOST_COLUMNS];
+    carry_down(model, linear, dq, dv, da, z);
+    end[0] = end[1] = 0.0;
+    if (!linear->is_held) {
+        carry_up(model, linear, dq, dv, da, end_reaction(model, z, 0), end_reaction(model, z, 1), force);
+        return;
+    }
+    const HeldEnd held = held_end(model);
+    for (int k = 0; k < 2; k++) end[k] = z[k] + held.damper[k] * z[2 + k] + held.spring[k] * z[4 + k];
+    carry_up(model, linear, dq, dv, da, 0.0, 0.0, force);
+}
+
+void linear_reactions(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
+                      const double *du)
+{
+    double z[MOST_COLUMNS];
+    carry_down(model, linear, dq, dv, da, z);
+    const double rx = linear->is_held ? linear->through[0] : end_reaction(model, z, 0) - du[U_F_cx];
+    const double ry = linear->is_held ? linear->through[1] : end_reaction(model, z, 1) - du[U_F_cy] - du[U_u_m2];
+    carry_up(model, linear, dq, dv, da, rx, ry, NULL);
+}
+
+void linear_inputs(const Model *model, const Linear *linear, const double *du, double *force, double end[2])
+{
+    const double *length = model->link[LINK_LENGTH];
+    const double fx = du[U_F_cx], fy = du[U_F_cy] + du[U_u_m2];
+    force[0] += du[U_u_m1];
+    if (linear->is_held) { /* the force goes to the end, not into the cable */
+        const double per_mass = held_end(model).per_mass;
+        end[0] += fx * per_mass, end[1] += fy * per_mass;
+        return;
+    }
+    if (fx == 0.0 && fy == 0.0) return;
+    force[0] += fy;
+    for (int i = 0; i < model->n; i++) force[i + 1] += length[i] * (linear->cosine[i] * fx - linear->sine[i] * fy);
+}

@@ -1,0 +1,78 @@
+/*
+ * The equations of motion linearised about a state, in O(n) [docs/model.md, "The linearised chain"].
+ *
+ * With ID(q, v, a) the forces that are missing for the acceleration a (inverse dynamics), zero in every motion,
+ *     L = w_q ID_q + w_v ID_v + w_a ID_a
+ * is the inertia matrix for the weights (0, 0, 1), the tangent stiffness for (1, 0, 0), and what an implicit step
+ * solves with for (1, 1/g, 1/g^2). Vectors have n + 1 entries: heave [m], then link angles [rad]; forces likewise [N], [N m].
+ */
+#ifndef CABLE_LINEAR_H
+#define CABLE_LINEAR_H
+
+#include "model.h"
+
+typedef struct {
+    double q, v, a;
+} Weights;
+
+/* Columns of what a part of the cable below a node answers to: change of acceleration, velocity, position in x and y. */
+enum { COLUMN_A, COLUMN_V = 2, COLUMN_P = 4, MOST_COLUMNS = 6 };
+
+/* The state that it is linearised about, the factors of L, and scratch. Arrays are per link, or per coordinate. */
+typedef struct Linear {
+    /* of linear_point(): */
+    double *sine, *cosine, *rate, *turn; /* of every link: sin th, cos th, w [rad/s], th'' [rad/s^2] */
+    double *force_x, *force_y;           /* R through every node [N] */
+    double *pull;                        /* e.(R_i + R_{i+1}) [N] */
+    double *drag, *drag_gain;            /* f [N]; -df/dv_n = 2 c |v_n| [N s/m] */
+    double *slip;                        /* e.V at the link's centre, relative to the water [m/s] */
+    /* of linear_factor(): */
+    double *a_n, *a_e, *v_n, *v_e, *p_n; /* how a link's unknown moves its lower node along n and e */
+    double *lift_x, *lift_y;             /* Y: force through the upper node that comes with the unknown */
+    double *per_pivot, *bend;            /* 1/p, kappa */
+    double *gain[MOST_COLUMNS];          /* G / p */
+    double *unit_x, *unit_y;             /* held ends: answer to a unit force through P_n */
+    /* scratch: */
+    double *ahead;               /* rho / p */
+    double *known_ax, *known_ay; /* known change of the acceleration of the link's centre [m/s^2] */
+    double *known_vx, *known_vy; /* and of its velocity [m/s] */
+    double *react_x, *react_y;   /* change of R that goes with them [N] */
+    double top_per_pivot;
+    bool is_held;      /* at its lower end, as a pin or nearly [model.c] */
+    double border[4];  /* xx, xy, yx, yy: force at a held end by what its relation is off by */
+    double through[2]; /* what linear_solve() found to go through a held end */
+    int columns;       /* that matter in this scene */
+    Weights weights;
+} Linear;
+
+size_t linear_doubles(int n);
+void linear_layout(Linear *linear, int n, double *block);
+
+/* Take the state x; `work` and `derivative` as cable_derivatives() left them for it. */
+void linear_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear);
+
+/*
+ * The factors of L at that state. Returns how many pivots are negative: none where L is positive definite
+ * (L is symmetric for (1, 0, 0) and (0, 0, 1)), -1 where a pivot vanishes and there are no factors.
+ */
+int linear_factor(const Model *model, Weights weights, Linear *linear);
+
+/*
+ * force = ID_q dq + ID_v dv + ID_a da; each may be NULL, for zeros. What the change means for the relation at a held end
+ * goes to end[2], zeros for other ends.
+ */
+void linear_apply(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
+                  double *force, double end[2]);
+
+/* L change = force, the relation at a held end being off by end[2]; both as linear_apply() makes them. */
+void linear_solve(const Model *model, Linear *linear, const double *force, const double end[2], double *change);
+
+/* The change of R through every node, linear->react_x and _y, that goes with a change of the motion and of the inputs;
+ * at a held end, R_{n+1} as the last linear_solve() left it. */
+void linear_reactions(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
+                      const double *du);
+
+/* Adds to force and end what a change of the inputs du[INPUT_COUNT] brings [N]. */
+void linear_inputs(const Model *model, const Linear *linear, const double *du, double *force, double end[2]);
+
+#endif
