@@ -34,10 +34,10 @@
 #pragma GCC pop_options
 #endif
 
-const Variant AVX2 = {cable_derivatives_avx2, combine_avx2, largest_scaled_avx2};
+const Variant AVX2 = {orientation_avx2, cable_derivatives_avx2, combine_avx2, largest_scaled_avx2};
 
 #else
 
-const Variant AVX2 = {cable_derivatives_portable, combine_portable, largest_scaled_portable}; /* never chosen */
+const Variant AVX2 = {orientation_portable, cable_derivatives_portable, combine_portable, largest_scaled_portable}; /* never chosen */
 
 #endif

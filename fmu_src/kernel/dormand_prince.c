@@ -1,4 +1,4 @@
-#include "solver.h"
+#include "dormand_prince.h"
 
 /*
  * Dormand & Prince, "A family of embedded Runge-Kutta formulae", J. Comput. Appl. Math. 6 (1980) 19-26:

@@ -3,7 +3,7 @@
 #include "combine.h"
 #include "sincos.h"
 
-const Variant PORTABLE = {cable_derivatives_portable, combine_portable, largest_scaled_portable};
+const Variant PORTABLE = {orientation_portable, cable_derivatives_portable, combine_portable, largest_scaled_portable};
 
 void cable_derivatives(const Model *model, const double *x, const double *u, Work *work, double *derivative)
 {

@@ -1,13 +1,14 @@
 /*
  * From t to t_end: error-controlled integration of x' = f(t, x), its memory kept from call to call.
  *
- * Two methods, explicit [explicit.c] and implicit [rosenbrock.c], and what chooses between them [solver.c]. What a host
- * sees of them are the counters and the reason why they stopped.
+ * Two methods, explicit [explicit.c] and implicit [implicit.c]; steps, their size and rejection are the same for both
+ * [solver.c], and so is what chooses between them [choice.c]. What a host sees of them are the counters, and the reason
+ * why they stopped.
  */
 #ifndef CABLE_SOLVER_H
 #define CABLE_SOLVER_H
 
-#include "model.h"
+#include "linear.h"
 
 typedef enum {
     SOLVER_OK,
@@ -27,19 +28,49 @@ typedef enum { SOLVER_AUTOMATIC, SOLVER_EXPLICIT, SOLVER_IMPLICIT, SOLVER_CHOICE
 typedef struct {
     const Model *model;
     Work *work;
+    Linear *linear;
     bool (*inputs)(void *source, double time, double *u);
     void *source;
 } System;
 
+/* What the automatic choice remembers [choice.c]. */
+typedef struct {
+    double radius;        /* largest |eigenvalue| of the Jacobian, as last measured [1/s]; 0: never yet */
+    int until_measured;   /* steps until it is measured again */
+    int until_probed;     /* explicit steps at the limit of stability until the implicit method is tried */
+    int patience;         /* what until_probed starts from the next time */
+    double advance;       /* of a few steps of the present method [s] */
+    int tried;            /* and how many attempts they took */
+    double explicit_rate; /* advance per cost of the explicit method when it was left [s] */
+} ChoiceMemory;
+
+/* Energy that came and went since the start [energy_balance.c]. */
+typedef struct {
+    bool is_kept; /* whether anybody wants to know */
+    bool has_start;
+    double start;                        /* energy at the start [J] */
+    double work;                         /* of the inputs [J] */
+    double taken;                        /* by drag and dampers [J] */
+    int points;                          /* of the history that follows, newest first */
+    double time[4], loss[4];             /* power taken at these times [s], [W] */
+    double place[3], speed[3], force[3]; /* of floater 1 and the terminal, and the forces there, at the newest */
+} EnergyMemory;
+
 /* Memory across calls: plain data, so that it can be saved with the state. */
 typedef struct {
     SolverChoice choice;
+    bool is_implicit;    /* the method in use */
     double tolerance;    /* relative, and absolute in rad, m, rad/s, m/s */
     double step;         /* proposed next step [s]; 0: none yet */
-    double error_before; /* scaled error of the last accepted step */
-    bool has_slope;      /* slope holds f(t, x) of the present point for the inputs slope_u */
+    double step_before;  /* last accepted step [s] */
+    double error_before; /* its scaled error */
+    bool has_slope;      /* the block holds f(t, x) of the present point for the inputs slope_u */
+    bool has_moved;      /* the present point was reached by a step, and nothing was evaluated there yet */
+    bool has_point;      /* the linearised chain is that of the present point */
     double slope_u[INPUT_COUNT];
-    double counter[SOLVER_COUNT]; /* since the start: whole numbers, as hosts read them */
+    double counter[SOLVER_COUNT]; /* since the start, as hosts read them */
+    ChoiceMemory chosen;
+    EnergyMemory energy;
 } SolverMemory;
 
 /* Doubles of the block that both methods share. */
@@ -52,19 +83,8 @@ SolverStatus solver_advance(const System *system, SolverMemory *memory, double *
 /* Forget the step size and the slope: after a reset or when somebody else moved the state. */
 void solver_restart(SolverMemory *memory);
 
-/* An embedded explicit Runge-Kutta pair whose last stage is the next step's first. Its tables are data. */
-typedef struct {
-    const char *name;
-    int stages, order;
-    const double *a; /* strictly lower triangle by rows, stages (stages - 1) / 2 entries */
-    const double *b, *b_embedded, *c;
-} Tableau;
-
-extern const Tableau DORMAND_PRINCE_54;
-
-size_t explicit_doubles(int n);
-SolverStatus explicit_advance(const System *system, SolverMemory *memory, double *block, double *t, double t_end,
-                              double *x);
+/* Energy now [J], less that at the start, less the work of the inputs, plus what drag and dampers took. */
+double solver_energy_residual(const SolverMemory *memory, double energy);
 
 /* x^(1/5) for normal x > 0 within 2 units in the last place, by Newton's method: the same bits everywhere, unlike
  * pow() of libm. */

@@ -15,6 +15,7 @@ struct Work;
 
 /* What exists twice, as the rest of the kernel calls it. */
 typedef struct {
+    void (*orientation)(const struct Model *model, const double *x, struct Work *work);
     void (*derivatives)(const struct Model *model, const double *x, const double *u, struct Work *work,
                         double *derivative);
     void (*combine)(int count, const double *x, int terms, const double *weight, double *const *slope, double *out);

@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cablefmu.cable import Cable, Drag, Floats, Terminal
+from cablefmu.cable import Cable, Drag, Floats, SolverChoice, Terminal
 from cablefmu.fmu.table import table
 
 __all__ = [
@@ -51,7 +51,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_directional": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_linear": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_repeat_linear": (None, _POINTER, _INT, _ARRAY, _ARRAY, _ARRAY, _INT),
-    "probe_restart": (None, _POINTER, _DOUBLE),
+    "probe_restart": (None, _POINTER, _DOUBLE, _INT),
     "probe_advance": (_INT, _POINTER, ctypes.POINTER(_DOUBLE), _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
     "probe_tableau": (_INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_name": (ctypes.c_char_p, _INT, _INT),
@@ -111,15 +111,15 @@ def load(path: Path) -> ctypes.CDLL:
 
 @dataclass(frozen=True)
 class Run:
-    """What one run of the explicit solver left."""
+    """What one run of the solver left."""
 
     status: Status
     time: float
     """Where it ended [s]"""
     q: Floats
     v: Floats
-    counters: dict[str, int]
-    """steps, rejected, rhs"""
+    counters: dict[str, float]
+    """steps, rejected, rhs, ... without "solver." in front"""
 
 
 class Kernel:
@@ -210,13 +210,15 @@ class Kernel:
         """Fill the scratch arrays with NaN."""
         self._library.probe_spoil_scratch(self._handle)
 
-    def start(self, time: float, q: Floats, v: Floats, *, tolerance: float) -> None:
+    def start(
+        self, time: float, q: Floats, v: Floats, *, tolerance: float, solver: SolverChoice = SolverChoice.EXPLICIT
+    ) -> None:
         """Set the solver to a state at a time [s], with nothing remembered."""
         self._time, self._x = ctypes.c_double(time), np.concatenate([q, v])
-        self._library.probe_restart(self._handle, tolerance)
+        self._library.probe_restart(self._handle, tolerance, list(SolverChoice).index(solver))
 
     def advance(self, end: float, waves: Mapping[str, Wave]) -> Run:
-        """One communication step of the explicit solver, to the time `end` [s]."""
+        """One communication step, to the time `end` [s]."""
         signals, counter = np.zeros((3, len(table().inputs))), np.zeros(len(table().solver))
         for name, wave in waves.items():
             signals[:, table().inputs[name].slot] = wave
@@ -224,12 +226,19 @@ class Kernel:
         status = self._library.probe_advance(self._handle, ctypes.byref(time), end, x, signals, counter)
         names = (name.removeprefix("solver.") for name in table().solver)
         half = self.cable.n + 1
-        counters = dict(zip(names, map(int, counter), strict=True))
+        counters = dict(zip(names, counter.tolist(), strict=True))
         return Run(_STATUS[status], time.value, x[:half].copy(), x[half:].copy(), counters)
 
-    def run(self, times: Floats, *, tolerance: float, waves: Mapping[str, Wave] | None = None) -> list[Run]:
+    def run(
+        self,
+        times: Floats,
+        *,
+        tolerance: float,
+        waves: Mapping[str, Wave] | None = None,
+        solver: SolverChoice = SolverChoice.EXPLICIT,
+    ) -> list[Run]:
         """From the cable's start at times[0] to each later time in turn; ends early on failure."""
-        self.start(times[0], self.cable.position, self.cable.velocity, tolerance=tolerance)
+        self.start(times[0], self.cable.position, self.cable.velocity, tolerance=tolerance, solver=solver)
         runs: list[Run] = []
         for end in times[1:]:
             runs.append(self.advance(end, waves or {}))

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "../../fmu_src/kernel/directional.h"
+#include "../../fmu_src/kernel/dormand_prince.h"
 #include "../../fmu_src/kernel/dynamics.h"
 #include "../../fmu_src/kernel/processor.h"
 #include "../../fmu_src/kernel/sincos.h"
@@ -26,15 +27,14 @@ Probe *probe_new(int n, int terminal, int drag, uint64_t present, const double *
 {
     Probe *probe = calloc(1, sizeof *probe);
     if (!probe) return NULL;
-    probe->derived =
-        calloc(model_doubles(n) + work_doubles(n) + explicit_doubles(n) + linear_doubles(n), sizeof(double));
+    probe->derived = calloc(model_doubles(n) + work_doubles(n) + solver_doubles(n) + linear_doubles(n), sizeof(double));
     if (!probe->derived) {
         free(probe);
         return NULL;
     }
     probe->scratch = probe->derived + model_doubles(n);
     probe->stages = probe->scratch + work_doubles(n);
-    probe->factors = probe->stages + explicit_doubles(n);
+    probe->factors = probe->stages + solver_doubles(n);
     linear_layout(&probe->linear, n, probe->factors);
     Model *model = &probe->model;
     model->n = n;
@@ -232,10 +232,12 @@ static bool waves_at(void *source, double time, double *u)
     return true;
 }
 
-void probe_restart(Probe *probe, double tolerance)
+void probe_restart(Probe *probe, double tolerance, int choice)
 {
     memset(&probe->memory, 0, sizeof probe->memory);
     probe->memory.tolerance = tolerance;
+    probe->memory.choice = (SolverChoice)choice;
+    probe->memory.energy.is_kept = true;
     solver_restart(&probe->memory);
 }
 
@@ -243,8 +245,11 @@ void probe_restart(Probe *probe, double tolerance)
 int probe_advance(Probe *probe, double *t, double t_end, double *x, const double *waves, double *counter)
 {
     Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT};
-    const System system = {&probe->model, &probe->work, waves_at, &source};
-    const SolverStatus status = explicit_advance(&system, &probe->memory, probe->stages, t, t_end, x);
+    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source};
+    const SolverStatus status = solver_advance(&system, &probe->memory, probe->stages, t, t_end, x);
+    double output[OUTPUT_COUNT];
+    cable_outputs(&probe->model, x, NULL, &probe->work, output, false);
+    probe->memory.counter[SOLVER_energy_residual] = solver_energy_residual(&probe->memory, output[Y_energy]);
     memcpy(counter, probe->memory.counter, sizeof probe->memory.counter);
     return (int)status;
 }

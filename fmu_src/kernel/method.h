@@ -1,0 +1,49 @@
+/* What a method of integration is to the loop over steps [solver.c], and what they share. */
+#ifndef CABLE_METHOD_H
+#define CABLE_METHOD_H
+
+#include "solver.h"
+
+/* Vectors of 2 (n + 1) in the solver's block. */
+enum { METHOD_STAGES = 8 };
+typedef struct {
+    double *slope;                /* f(t, x) of the present point */
+    double *trial;                /* the point that is being tried */
+    double *stage[METHOD_STAGES]; /* slopes or increments of the stages */
+    double *right_side;           /* implicit: f at a stage, and what becomes of it */
+    double *force;                /* implicit: two vectors of n + 1 */
+    double *fastest;              /* direction of the largest eigenvalue [choice.c] */
+    double *spare;
+} Vectors;
+
+enum { VECTORS = METHOD_STAGES + 6 };
+
+/* One attempt from (t, x) to t_new. The new point goes to vectors->trial, its local error, scaled so that 1 is just
+ * accepted, to *error; NaN if anything was not finite. False if there were no inputs. */
+bool explicit_attempt(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
+                      const double *x, double *error);
+bool implicit_attempt(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
+                      const double *x, double *error);
+
+/* slope = f(t, x), counted; the inputs that it took go to u. */
+bool slope_at(const System *system, SolverMemory *memory, double t, const double *x, double *slope, double *u);
+
+/* out = x + sum weight_j vector_j over all states; x may be NULL, for 0. */
+void combine_states(const System *system, const double *x, int terms, const double *weight, double *const *vector,
+                    double *out);
+
+/* The largest |value| / (1 + |x|) over all states, |x| being the larger of two points; NaN if anything is. */
+double largest_of_states(const System *system, const double *value, const double *x, const double *y);
+
+/* choice.c: after an attempt of size h. Measures, and changes memory->is_implicit where the other method is cheaper. */
+void choose_method(const System *system, SolverMemory *memory, const Vectors *vectors, double h, bool accepted,
+                   double error, const double *x);
+
+/* pin.c: back onto the pin, from which steps lead away by their error. */
+void pin_project(const Model *model, Work *work, double *x);
+
+/* energy_balance.c: at a point whose slope was just evaluated; restart where the inputs jump. */
+void energy_advance(const System *system, SolverMemory *memory, double t, const double *x);
+void energy_restart(const System *system, SolverMemory *memory, double t, const double *x);
+
+#endif
