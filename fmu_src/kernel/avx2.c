@@ -38,6 +38,7 @@ const Variant AVX2 = {orientation_avx2, cable_derivatives_avx2, combine_avx2, la
 
 #else
 
-const Variant AVX2 = {orientation_portable, cable_derivatives_portable, combine_portable, largest_scaled_portable}; /* never chosen */
+const Variant AVX2 = {orientation_portable, cable_derivatives_portable, combine_portable,
+                      largest_scaled_portable}; /* never chosen */
 
 #endif

@@ -48,6 +48,9 @@ void terminal_port(const Model *model, const Work *work, Port *port);
 double top_acceleration(const Model *model, const double *x, const double *u, double pull_x, double pull_y);
 double floater_energy(const Model *model, const double *x);
 
+/* pin.c: the state x with P_n at the place `pin` and at rest there, from which steps lead away by their error. */
+void pin_project(const Model *model, Work *work, const double pin[2], double *x);
+
 /* energy.c, tension.c */
 double cable_energy(const Model *model, const double *x, const Work *work);
 void cable_tensions(const Model *model, const double *derivative, const Work *work, double *top, double *end,

@@ -74,13 +74,55 @@ static void take_forces(const Model *model, const Work *work, const double *turn
     linear->force_x[model->n] = rx, linear->force_y[model->n] = ry;
 }
 
+void linear_pin(Linear *linear)
+{
+    const double rate = PIN_RATE;
+    linear->is_held = true;
+    linear->held = (HeldEnd){{2.0 * rate, 2.0 * rate}, {rate * rate, rate * rate}, 0.0};
+}
+
+/* Of a mass, where it is a heavy one. */
+static void hold(const Model *model, Linear *linear)
+{
+    linear->is_held = model->middle == model->n;
+    if (!linear->is_held) return;
+    if (model->terminal == TERMINAL_PIN) {
+        linear_pin(linear);
+        return;
+    }
+    const double per_mass = 1.0 / model->end_mass;
+    linear->held = (HeldEnd){{model->damper[0] * per_mass, model->damper[1] * per_mass},
+                             {model->spring[0] * per_mass, model->spring[1] * per_mass},
+                             per_mass};
+}
+
+/* Columns that the scene's forces fill. */
+static int columns_of(const Model *model, const Linear *linear)
+{
+    if (model->has_spring && !linear->is_held) return MOST_COLUMNS;
+    return model->has_drag ? COLUMN_P : COLUMN_V;
+}
+
+void linear_rest(const Model *model, const Work *work, const double *force_x, const double *force_y, Linear *linear)
+{
+    hold(model, linear);
+    linear->columns = columns_of(model, linear);
+    for (int i = 0; i < model->n; i++) {
+        const double ex = work->sine[i], ey = work->cosine[i];
+        linear->sine[i] = ex, linear->cosine[i] = ey;
+        linear->rate[i] = linear->turn[i] = linear->drag[i] = linear->drag_gain[i] = linear->slip[i] = 0.0;
+        linear->pull[i] = (force_x[i] + force_x[i + 1]) * ex + (force_y[i] + force_y[i + 1]) * ey;
+    }
+    for (int i = 0; i <= model->n; i++) linear->force_x[i] = force_x[i], linear->force_y[i] = force_y[i];
+}
+
 void linear_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear)
 {
     const int n = model->n;
     const double *length = model->link[LINK_LENGTH], *factor = model->drag_factor;
     const double *rate = x + n + 2, *turn = derivative + n + 2;
-    linear->is_held = model->middle == n;
-    linear->columns = model->has_spring && !linear->is_held ? MOST_COLUMNS : model->has_drag ? COLUMN_P : COLUMN_V;
+    hold(model, linear);
+    linear->columns = columns_of(model, linear);
     for (int i = 0; i < n; i++) {
         linear->sine[i] = work->sine[i], linear->cosine[i] = work->cosine[i];
         linear->rate[i] = rate[i], linear->turn[i] = turn[i];
@@ -249,25 +291,10 @@ static void solve_free(const Model *model, Linear *linear, const double *force, 
     }
 }
 
-/* c/m, k/m along x and y, and 1/m of a held end. */
-typedef struct {
-    double damper[2], spring[2], per_mass;
-} HeldEnd;
-
-static HeldEnd held_end(const Model *model)
-{
-    const double rate = PIN_RATE;
-    if (model->terminal == TERMINAL_PIN) return (HeldEnd){{2.0 * rate, 2.0 * rate}, {rate * rate, rate * rate}, 0.0};
-    const double per_mass = 1.0 / model->end_mass;
-    return (HeldEnd){{model->damper[0] * per_mass, model->damper[1] * per_mass},
-                     {model->spring[0] * per_mass, model->spring[1] * per_mass},
-                     per_mass};
-}
-
 /* dA_n + (c/m) dV_n + (k/m) dP_n of what linear_solve() found. */
 static void end_of_change(const Model *model, const Linear *linear, const double *change, double end[2])
 {
-    const HeldEnd held = held_end(model);
+    const HeldEnd held = linear->held;
     const Weights w = linear->weights;
     double a[2] = {0.0, w.a * change[0]}, v[2] = {0.0, w.v * change[0]}, p[2] = {0.0, w.q * change[0]};
     for (int i = 0; i < model->n; i++) {
@@ -288,7 +315,7 @@ static void end_of_change(const Model *model, const Linear *linear, const double
  */
 static int make_border(const Model *model, Linear *linear)
 {
-    const double per_mass = held_end(model).per_mass;
+    const double per_mass = linear->held.per_mass;
     double at_x[2], at_y[2];
     solve_free(model, linear, NULL, 1.0, 0.0, linear->unit_x);
     solve_free(model, linear, NULL, 0.0, 1.0, linear->unit_y);
@@ -409,7 +436,7 @@ void linear_apply(const Model *model, Linear *linear, const double *dq, const do
         carry_up(model, linear, dq, dv, da, end_reaction(model, z, 0), end_reaction(model, z, 1), force);
         return;
     }
-    const HeldEnd held = held_end(model);
+    const HeldEnd held = linear->held;
     for (int k = 0; k < 2; k++) end[k] = z[k] + held.damper[k] * z[2 + k] + held.spring[k] * z[4 + k];
     carry_up(model, linear, dq, dv, da, 0.0, 0.0, force);
 }
@@ -430,7 +457,7 @@ void linear_inputs(const Model *model, const Linear *linear, const double *du, d
     const double fx = du[U_F_cx], fy = du[U_F_cy] + du[U_u_m2];
     force[0] += du[U_u_m1];
     if (linear->is_held) { /* the force goes to the end, not into the cable */
-        const double per_mass = held_end(model).per_mass;
+        const double per_mass = linear->held.per_mass;
         end[0] += fx * per_mass, end[1] += fy * per_mass;
         return;
     }

@@ -15,6 +15,12 @@ typedef struct {
     double q, v, a;
 } Weights;
 
+/* dA_n + damper dV_n + spring dP_n - per_mass dR_{n+1} = given: the relation at an end that cannot move, or hardly. Of a
+ * mass on a spring-damper, divided by the mass; of a pin, whose 1/m is zero, Baumgarte's [terminal.c]. */
+typedef struct {
+    double damper[2], spring[2], per_mass;
+} HeldEnd;
+
 /* Columns of what a part of the cable below a node answers to: change of acceleration, velocity, position in x and y. */
 enum { COLUMN_A, COLUMN_V = 2, COLUMN_P = 4, MOST_COLUMNS = 6 };
 
@@ -38,7 +44,8 @@ typedef struct Linear {
     double *known_vx, *known_vy; /* and of its velocity [m/s] */
     double *react_x, *react_y;   /* change of R that goes with them [N] */
     double top_per_pivot;
-    bool is_held;      /* at its lower end, as a pin or nearly [model.c] */
+    bool is_held; /* at its lower end, as a pin or nearly [model.c] */
+    HeldEnd held;
     double border[4];  /* xx, xy, yx, yy: force at a held end by what its relation is off by */
     double through[2]; /* what linear_solve() found to go through a held end */
     int columns;       /* that matter in this scene */
@@ -50,6 +57,12 @@ void linear_layout(Linear *linear, int n, double *block);
 
 /* Take the state x; `work` and `derivative` as cable_derivatives() left them for it. */
 void linear_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear);
+
+/* Take a state of rest instead: the angles whose sines are in `work`, and the forces R through the nodes. */
+void linear_rest(const Model *model, const Work *work, const double *force_x, const double *force_y, Linear *linear);
+
+/* The end is a pin from here on, whatever holds it. */
+void linear_pin(Linear *linear);
 
 /*
  * The factors of L at that state. Returns how many pivots are negative: none where L is positive definite

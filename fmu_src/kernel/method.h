@@ -39,9 +39,6 @@ double largest_of_states(const System *system, const double *value, const double
 void choose_method(const System *system, SolverMemory *memory, const Vectors *vectors, double h, bool accepted,
                    double error, const double *x);
 
-/* pin.c: back onto the pin, from which steps lead away by their error. */
-void pin_project(const Model *model, Work *work, double *x);
-
 /* energy_balance.c: at a point whose slope was just evaluated; restart where the inputs jump. */
 void energy_advance(const System *system, SolverMemory *memory, double t, const double *x);
 void energy_restart(const System *system, SolverMemory *memory, double t, const double *x);

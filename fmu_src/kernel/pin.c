@@ -1,7 +1,6 @@
 #include <math.h>
 
 #include "dynamics.h"
-#include "method.h"
 
 /*
  * Back onto the pin: the smallest change of (q, v), weighed by the inertia of every coordinate by itself, that brings P_n
@@ -36,7 +35,7 @@ static void shift(const Model *model, const Work *work, Symmetric a, const doubl
         out[i + 1] += model->per_rotary[i] * length[i] * (work->cosine[i] * fx - work->sine[i] * fy);
 }
 
-void pin_project(const Model *model, Work *work, double *x)
+void pin_project(const Model *model, Work *work, const double pin[2], double *x)
 {
     enum { MOST = 5 };
     const int half = model->n + 1;
@@ -45,7 +44,7 @@ void pin_project(const Model *model, Work *work, double *x)
     for (int k = 0; k < MOST; k++) {
         model->variant->orientation(model, x, work);
         terminal_motion(model, x, work, position, velocity);
-        const double off[2] = {model->rest[0] - position[0], model->rest[1] - position[1]};
+        const double off[2] = {pin[0] - position[0], pin[1] - position[1]};
         if (!(hypot(off[0], off[1]) > 1e-14 * size)) break;
         shift(model, work, compliance(model, work), off, x);
     }

@@ -158,7 +158,7 @@ static void move_on(const System *system, SolverMemory *memory, const Vectors *v
     memory->has_moved = memory->is_implicit;
     if (memory->has_slope) memcpy(vectors->slope, vectors->stage[5], bytes);
     if (memory->has_slope) energy_advance(system, memory, *t, x);
-    if (system->model->terminal == TERMINAL_PIN) pin_project(system->model, system->work, x);
+    if (system->model->terminal == TERMINAL_PIN) pin_project(system->model, system->work, system->model->rest, x);
 }
 
 static bool attempt(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,

@@ -51,6 +51,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_directional": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_linear": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_repeat_linear": (None, _POINTER, _INT, _ARRAY, _ARRAY, _ARRAY, _INT),
+    "probe_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "probe_restart": (None, _POINTER, _DOUBLE, _INT),
     "probe_advance": (_INT, _POINTER, ctypes.POINTER(_DOUBLE), _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
     "probe_tableau": (_INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
@@ -199,6 +200,12 @@ class Kernel:
     def repeat_linear(self, what: int, weights: Floats, force: Floats, times: int) -> None:
         """That many factorisations (1), solutions (2) or products (3) about the last point, to be timed."""
         self._library.probe_repeat_linear(self._handle, what, weights, force, np.empty_like(force), times)
+
+    def equilibrium(self, q: Floats, inputs: Mapping[str, float]) -> tuple[int, Floats, float, int]:
+        """Status, q of the equilibrium near `q`, residual acceleration and iterations of the search."""
+        x, figure = np.concatenate([q, np.zeros_like(q)]), np.zeros(2)
+        status = self._library.probe_equilibrium(self._handle, inputs_of(inputs), x, figure)
+        return status, x[: len(q)], figure[0], int(figure[1])
 
     def constants(self) -> Floats:
         """A copy of the model's parameters and derived arrays."""

@@ -12,6 +12,7 @@
 #include "../../fmu_src/kernel/processor.h"
 #include "../../fmu_src/kernel/sincos.h"
 #include "../../fmu_src/kernel/solver.h"
+#include "../../fmu_src/kernel/statics.h"
 
 typedef struct {
     Model model;
@@ -215,6 +216,16 @@ void probe_repeat_linear(Probe *probe, int what, const double *weights, double *
         if (what == 3) linear_apply(&probe->model, &probe->linear, force, force, force, change, end);
         force[0] += 1e-12 * change[0];
     }
+}
+
+/* From x to an equilibrium; figure[STATICS_COUNT]. */
+int probe_equilibrium(Probe *probe, const double *u, double *x, double *figure)
+{
+    double *block = malloc(statics_doubles(probe->model.n) * sizeof *block);
+    if (!block) return -1;
+    const StaticsStatus status = statics_solve(&probe->model, u, &probe->work, &probe->linear, block, x, figure);
+    free(block);
+    return (int)status;
 }
 
 /* u_k(t) = constant_k + amplitude_k sin(pulsation_k t); pulsation in rad/s. */

@@ -1,0 +1,257 @@
+#include "statics.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "dynamics.h"
+
+/*
+ * Equilibrium: the forces g(q), the gradient of the potential energy with the work of the inputs taken off, vanish. Newton's
+ * step solves with the tangent stiffness wherever that is positive definite. Elsewhere each link's share of it that comes
+ * of the pull R, -(l/2) (R_i + R_{i+1}).e, which is negative under compression, is replaced by the largest that it can become as
+ * the link turns, (l/2) |R_i + R_{i+1}|: as the energy of a link under a constant pull lies below the parabola of that
+ * curvature, such a step goes downhill, and turns links over that stand on their head. If a step of either kind fails, a
+ * share of the inertia matrix is added, which shortens it. So the search goes downhill only, and what it finds is stable; from
+ * where forces balance but the cable would not stay (upside down, buckled), a small push leads away.
+ *
+ * An anchor that weighs nothing and is held by its mass alone stays where it is, as the pin does: by a force R through
+ * P_n, which is found along with the angles.
+ */
+enum { MOST_ITERATIONS = 2000, MOST_PUSHES = 20 };
+static const double LARGEST_TURN = 1.0;   /* of a link in a step [rad] */
+static const double FIRST_SHARE = 1.0;    /* of the inertia matrix [1/s^2] */
+static const double LARGEST_SHARE = 1e12; /* beyond it, nothing moves */
+static const double PUSH = 1e-2;          /* away from what is not stable [rad] */
+static const double CONVERGED = 1e-8;     /* steps below it are only followed to their end [rad, m] */
+static const double FAR = 1e4;            /* of the cable's length: what goes there is not held */
+
+/* Views into the block, and what the search knows. */
+typedef struct {
+    const Model *model;
+    const double *u;
+    Work *work;
+    Linear *linear;
+    double *x, *trial;         /* 2 (n + 1): velocities are zero */
+    double *force, *step;      /* n + 1 */
+    double *force_x, *force_y; /* R through the nodes, n + 1 */
+    bool is_held;
+    double pin[2], through[2]; /* where a held end is, and R there */
+    double energy, size;       /* at x: potential [J]; largest force over inertia [1/s^2] */
+} Search;
+
+size_t statics_doubles(int n)
+{
+    return 8u * ((size_t)n + 1u);
+}
+
+static Search search_in(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x)
+{
+    const size_t half = (size_t)model->n + 1;
+    Search search = {.model = model, .u = u, .work = work, .linear = linear, .x = x};
+    search.trial = block;
+    double **const rest[] = {&search.force, &search.step, &search.force_x, &search.force_y};
+    for (size_t k = 0; k < 4; k++) *rest[k] = block + (2 + k) * half;
+    search.is_held = model->terminal == TERMINAL_PIN || model->terminal == TERMINAL_ANCHOR_MASS;
+    return search;
+}
+
+/* Potential energy with the work of the inputs taken off, at a state of rest; leaves sines and P_n in `work`. */
+static double potential(const Search *search, const double *x)
+{
+    const Model *model = search->model;
+    Work *work = search->work;
+    const double *u = search->u, *end = work->end_position;
+    model->variant->orientation(model, x, work);
+    terminal_force(model, x, u, work);
+    terminal_motion(model, x, work, work->end_position, work->end_velocity);
+    return cable_energy(model, x, work) - u[U_u_m1] * x[0] - u[U_F_cx] * end[0] - (u[U_F_cy] + u[U_u_m2]) * end[1];
+}
+
+/* R up the cable, and the missing forces g, after potential() of the same x. */
+static void forces(Search *search, const double *x)
+{
+    const Model *model = search->model;
+    const Work *work = search->work;
+    const int n = model->n;
+    const double *length = model->link[LINK_LENGTH], *p = model->parameter;
+    double rx = search->is_held ? search->through[0] : -work->end_force[0];
+    double ry = search->is_held ? search->through[1] : -work->end_force[1];
+    double torque_below = 0.0;
+    search->force_x[n] = rx, search->force_y[n] = ry;
+    for (int i = n - 1; i >= 0; i--) {
+        const double nx = work->cosine[i], ny = -work->sine[i], above = i ? x[i] : 0.0;
+        const double torque = model->stiffness[i] * (x[i + 1] - above);
+        search->force[i + 1] =
+            0.5 * length[i] * (nx * (2.0 * rx) + ny * (2.0 * ry - model->weight[i])) + (torque - torque_below);
+        ry -= model->weight[i];
+        search->force_x[i] = rx, search->force_y[i] = ry;
+        torque_below = torque;
+    }
+    search->force[0] = ry + p[P_k_m1] * x[0] + p[P_static_load] - search->u[U_u_m1];
+}
+
+/* The largest force over the inertia of its coordinate by itself [m/s^2, rad/s^2]. */
+static double size_of(const Search *search)
+{
+    double largest = fabs(search->force[0]) / search->model->parameter[P_M_1];
+    for (int i = 0; i < search->model->n; i++)
+        largest = fmax(largest, fabs(search->force[i + 1]) * search->model->per_rotary[i]);
+    return largest;
+}
+
+static void look(Search *search)
+{
+    search->energy = potential(search, search->x);
+    forces(search, search->x);
+    search->size = size_of(search);
+    linear_rest(search->model, search->work, search->force_x, search->force_y, search->linear);
+    if (search->is_held) linear_pin(search->linear);
+}
+
+/* Every link's pull as large as it can become. */
+static void stretch(Search *search)
+{
+    for (int i = 0; i < search->model->n; i++) {
+        const double rx = search->force_x[i] + search->force_x[i + 1], ry = search->force_y[i] + search->force_y[i + 1];
+        search->linear->pull[i] = -hypot(rx, ry);
+    }
+}
+
+/* R through a held end as it would be if the cable were let go here. */
+static void guess_through(Search *search)
+{
+    const Model *model = search->model;
+    cable_derivatives(model, search->x, search->u, search->work, search->trial);
+    linear_point(model, search->x, search->work, search->trial, search->linear);
+    search->through[0] = search->linear->force_x[model->n];
+    search->through[1] = search->linear->force_y[model->n];
+    terminal_motion(model, search->x, search->work, search->work->end_position, search->work->end_velocity);
+    memcpy(search->pin, model->terminal == TERMINAL_PIN ? model->rest : search->work->end_position, sizeof search->pin);
+}
+
+/* The step with so much of the inertia matrix added; false where that is not positive definite. */
+static bool find_step(Search *search, double share)
+{
+    const int half = search->model->n + 1;
+    const double on_the_pin[2] = {0.0, 0.0};
+    if (linear_factor(search->model, (Weights){1.0, 0.0, share}, search->linear) != 0) return false;
+    for (int k = 0; k < half; k++) search->force[k] = -search->force[k];
+    linear_solve(search->model, search->linear, search->force, on_the_pin, search->step);
+    for (int k = 0; k < half; k++) search->force[k] = -search->force[k];
+    return true;
+}
+
+static double largest_turn(const Search *search)
+{
+    double largest = 0.0;
+    for (int i = 0; i < search->model->n; i++) largest = fmax(largest, fabs(search->step[i + 1]));
+    return largest;
+}
+
+static void trial_point(Search *search, double reach)
+{
+    const int half = search->model->n + 1;
+    for (int k = 0; k < half; k++)
+        search->trial[k] = search->x[k] + reach * search->step[k], search->trial[half + k] = 0.0;
+    if (search->is_held) pin_project(search->model, search->work, search->pin, search->trial);
+}
+
+/* Takes the step if it lowers the energy as its slope promises, or, where the energy is flat to rounding, the forces. */
+static bool take_step(Search *search)
+{
+    const int half = search->model->n + 1;
+    const double before = search->size, energy = search->energy;
+    double slope = 0.0;
+    for (int k = 0; k < half; k++) slope += search->force[k] * search->step[k];
+    trial_point(search, 1.0);
+    const double lower = potential(search, search->trial), flat = 1e-13 * (fabs(energy) + fabs(lower));
+    if (!isfinite(lower)) return false;
+    const double through[2] = {search->through[0], search->through[1]};
+    for (int k = 0; k < 2 && search->is_held; k++) search->through[k] += search->linear->through[k];
+    forces(search, search->trial);
+    const double size = size_of(search);
+    if (lower <= energy + 1e-4 * slope - flat || (lower <= energy + flat && size < before)) {
+        memcpy(search->x, search->trial, 2u * (size_t)half * sizeof *search->x);
+        return true;
+    }
+    memcpy(search->through, through, sizeof through);
+    return false;
+}
+
+/* Where forces balance but the cable would not stay: every link turns a little, each another way. */
+static void push(Search *search, int times)
+{
+    uint64_t state = 0x9e3779b97f4a7c15u * (uint64_t)(times + 1);
+    memcpy(search->trial, search->x, 2u * ((size_t)search->model->n + 1u) * sizeof *search->x);
+    for (int i = 1; i <= search->model->n; i++) {
+        state = state * 6364136223846793005u + 1442695040888963407u; /* Knuth's generator */
+        search->x[i] += PUSH * ((double)(state >> 11) * 0x1p-52 - 1.0);
+    }
+    if (search->is_held) pin_project(search->model, search->work, search->pin, search->x);
+}
+
+static bool is_lost(const Search *search)
+{
+    double length = 0.0;
+    for (int i = 0; i < search->model->n; i++) length += search->model->link[LINK_LENGTH][i];
+    return !(fabs(search->x[0]) < FAR * length);
+}
+
+/* The step from here: Newton's where it may be taken, else one that goes downhill, and not too far. */
+static bool choose_step(Search *search, double *share, bool *newton)
+{
+    *newton = *share == 0.0 && find_step(search, 0.0) && largest_turn(search) < LARGEST_TURN;
+    if (*newton) return true;
+    stretch(search);
+    while (!find_step(search, *share) || largest_turn(search) > LARGEST_TURN) {
+        *share = fmax(4.0 * *share, FIRST_SHARE);
+        if (*share > LARGEST_SHARE) return false;
+    }
+    return true;
+}
+
+/* From x downhill until Newton's steps no longer get smaller; how many iterations it took. */
+static StaticsStatus descend(Search *search, double *iterations)
+{
+    double share = 0.0, last = HUGE_VAL;
+    int pushes = 0;
+    for (; *iterations < MOST_ITERATIONS; ++*iterations) {
+        bool newton;
+        look(search);
+        if (!isfinite(search->energy) || !isfinite(search->size)) return STATICS_NOT_FINITE;
+        if (is_lost(search) || !choose_step(search, &share, &newton)) return STATICS_NO_BALANCE;
+        const double turn = fmax(largest_turn(search), fabs(search->step[0]));
+        const bool converged = newton && turn < CONVERGED;
+        if (converged && !(turn < 0.5 * last)) return STATICS_OK;
+        last = newton ? turn : HUGE_VAL;
+        if (take_step(search)) {
+            if (!newton && turn < CONVERGED && share < FIRST_SHARE && pushes++ < MOST_PUSHES) push(search, pushes);
+            share = share > FIRST_SHARE * 1e-6 ? share / 8.0 : 0.0;
+        } else if (converged) {
+            return STATICS_OK; /* as low as rounding lets it come */
+        } else if (share < FIRST_SHARE && turn < CONVERGED) {
+            if (pushes++ == MOST_PUSHES) return STATICS_NO_BALANCE;
+            push(search, pushes);
+        } else {
+            share = fmax(8.0 * share, FIRST_SHARE);
+        }
+    }
+    return STATICS_NO_BALANCE;
+}
+
+StaticsStatus statics_solve(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x,
+                            double *figure)
+{
+    const int half = model->n + 1;
+    Search search = search_in(model, u, work, linear, block, x);
+    memset(x + half, 0, (size_t)half * sizeof *x);
+    figure[STATICS_iterations] = 0.0;
+    if (search.is_held) guess_through(&search);
+    if (search.is_held) pin_project(model, work, search.pin, x);
+    const StaticsStatus status = descend(&search, &figure[STATICS_iterations]);
+    cable_derivatives(model, x, u, work, search.trial);
+    figure[STATICS_residual] = 0.0;
+    for (int k = 0; k < half; k++)
+        figure[STATICS_residual] = fmax(figure[STATICS_residual], fabs(search.trial[half + k]));
+    return status == STATICS_OK && !isfinite(figure[STATICS_residual]) ? STATICS_NOT_FINITE : status;
+}
