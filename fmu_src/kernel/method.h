@@ -35,7 +35,9 @@ void combine_states(const System *system, const double *x, int terms, const doub
 /* The largest |value| / (1 + |x|) over all states, |x| being the larger of two points; NaN if anything is. */
 double largest_of_states(const System *system, const double *value, const double *x, const double *y);
 
-/* choice.c: after an attempt of size h. Measures, and changes memory->is_implicit where the other method is cheaper. */
+/* choice.c: which method begins, memory->step being what the error would allow; and after an attempt of size h, which one
+ * goes on. */
+void choose_at_start(const System *system, SolverMemory *memory, const Vectors *vectors, const double *x);
 void choose_method(const System *system, SolverMemory *memory, const Vectors *vectors, double h, bool accepted,
                    double error, const double *x);
 

@@ -35,6 +35,8 @@ void solver_restart(SolverMemory *memory)
 {
     memory->step = 0.0;
     memory->error_before = 1.0;
+    memory->is_implicit = false;
+    memset(&memory->chosen, 0, sizeof memory->chosen);
     memory->has_slope = memory->has_point = memory->has_moved = false;
 }
 
@@ -174,7 +176,10 @@ static bool start(const System *system, SolverMemory *memory, const Vectors *vec
     if (memory->choice != SOLVER_AUTOMATIC) memory->is_implicit = memory->choice == SOLVER_IMPLICIT;
     memory->counter[SOLVER_error_estimate] = 0.0;
     if (!ensure_point(system, memory, vectors, t, x)) return false;
-    return memory->step != 0.0 || first_step(system, memory, vectors, t, t_end - t, least, x);
+    if (memory->step != 0.0) return true;
+    if (!first_step(system, memory, vectors, t, t_end - t, least, x)) return false;
+    if (memory->choice == SOLVER_AUTOMATIC) choose_at_start(system, memory, vectors, x);
+    return true;
 }
 
 SolverStatus solver_advance(const System *system, SolverMemory *memory, double *block, double *t, double t_end,
@@ -206,7 +211,9 @@ SolverStatus solver_advance(const System *system, SolverMemory *memory, double *
             reject(memory, h, error);
         }
         rejected_before = !accepted;
+        if (memory->choice == SOLVER_AUTOMATIC) choose_method(system, memory, &vectors, h, accepted, error, x);
     }
+    memory->counter[SOLVER_stiff] = memory->is_implicit;
     /* The inputs may jump behind t_end: what belongs to this side of it is evaluated now, and kept if they do not. */
     return ensure_point(system, memory, &vectors, *t, x) ? SOLVER_OK : SOLVER_INPUT_FAILED;
 }

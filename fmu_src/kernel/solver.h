@@ -35,13 +35,15 @@ typedef struct {
 
 /* What the automatic choice remembers [choice.c]. */
 typedef struct {
-    double radius;        /* largest |eigenvalue| of the Jacobian, as last measured [1/s]; 0: never yet */
-    int until_measured;   /* steps until it is measured again */
-    int until_probed;     /* explicit steps at the limit of stability until the implicit method is tried */
-    int patience;         /* what until_probed starts from the next time */
-    double advance;       /* of a few steps of the present method [s] */
-    int tried;            /* and how many attempts they took */
-    double explicit_rate; /* advance per cost of the explicit method when it was left [s] */
+    double limit;        /* largest stable step of the explicit method, as last measured [s]; 0: not known */
+    double trust;        /* share of it that has proved stable */
+    double lowest_error; /* since the last look, while nothing happens */
+    int until_measured;  /* attempts until the next look */
+    double advance;      /* of the attempts since the last look [s] */
+    int tried;           /* and their number */
+    bool is_trial;       /* the implicit method is on trial */
+    int until_probed;    /* looks that find the explicit steps near their limit until the next trial */
+    int patience;        /* what that starts from */
 } ChoiceMemory;
 
 /* Energy that came and went since the start [energy_balance.c]. */
