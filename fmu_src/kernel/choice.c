@@ -13,14 +13,16 @@
  * lambda being the eigenvalue of the Jacobian of largest modulus and R the stability function of Dormand and Prince's pair.
  * lambda is measured now and then by power iteration with exact directional derivatives: in
  * (q, v) -> (v, a), a = J (q, v), the last three vectors obey a = s v + p q with lambda^2 = s lambda + p.
- *   - explicit, and its steps come near h_s: the implicit method is tried for a few steps, and kept if they are so much
- *     longer that it pays; else the next trial comes after twice as many steps;
+ *   - explicit, and its steps come near h_s: the implicit method is tried, and kept if its steps become so much longer that
+ *     it pays. It may take a while until it has damped what the explicit one kept alive at the limit of its stability. So trials
+ *     get longer, and rarer: each costs a tenth of the explicit steps before it, and these double from one to the next;
  *   - implicit, and steps no longer than h_s would cost less: back to the explicit method.
  * While nothing happens, an explicit step is kept below h_s, or rounding would grow up to the tolerance. The eigenvalue of largest
  * modulus need not be the one that bounds h: one with less damping may. So if errors grow although nothing happens, h_s was
  * too large, and from then on counts for less.
  */
-enum { FIRST_MEASURED = 4, EXPLICIT_WINDOW = 64, IMPLICIT_WINDOW = 16, TRIAL = 6, SETTLED = 2, MOST_PATIENCE = 64 };
+enum { EXPLICIT_WINDOW = 64, IMPLICIT_WINDOW = 16, TRIAL_WINDOW = 2 };
+enum { FIRST_INTERVAL = 256, LEAST_TRIAL = 4, STEPS_PER_TRIAL_STEP = 40 };
 enum { FIRST_ITERATIONS = 8, ITERATIONS = 3, QUIET_ITERATIONS = 40 };
 static const double IMPLICIT_COST = 4.0; /* explicit steps that an implicit one costs [docs/numerics.md] */
 static const double GAIN = 1.2;          /* by which the other method must be cheaper */
@@ -106,7 +108,7 @@ static void measure(const System *system, SolverMemory *memory, const Vectors *v
 
 static void begin_window(ChoiceMemory *chosen, int attempts)
 {
-    chosen->until_measured = attempts;
+    chosen->until_look = attempts;
     chosen->advance = 0.0;
     chosen->tried = 0;
     chosen->lowest_error = HUGE_VAL;
@@ -131,7 +133,7 @@ static void change_to(SolverMemory *memory, bool implicit)
     memory->has_slope = memory->has_slope && !implicit;
     memory->error_before = 1.0;
     if (!implicit) memory->step = fmin(memory->step, SAFE * memory->chosen.limit);
-    begin_window(&memory->chosen, implicit ? TRIAL : EXPLICIT_WINDOW);
+    begin_window(&memory->chosen, implicit ? TRIAL_WINDOW : EXPLICIT_WINDOW);
 }
 
 static void after_explicit(const System *system, SolverMemory *memory, const Vectors *vectors, double h, double error,
@@ -139,35 +141,47 @@ static void after_explicit(const System *system, SolverMemory *memory, const Vec
 {
     ChoiceMemory *chosen = &memory->chosen;
     if (error < QUIET) keep_quiet(memory, h, error);
-    if (chosen->until_measured > 0) return;
+    if (chosen->until_look > 0) return;
     const double mean = chosen->advance / chosen->tried;
     chosen->trust = fmin(1.0, 1.1 * chosen->trust);
     measure(system, memory, vectors, x, ITERATIONS);
     begin_window(chosen, EXPLICIT_WINDOW);
-    if (!(mean > NEAR * chosen->limit) || chosen->until_probed-- > 0) return;
-    chosen->is_trial = true;
+    if (!(mean > NEAR * chosen->limit)) return;
+    chosen->until_trial -= EXPLICIT_WINDOW;
+    if (chosen->until_trial > 0) return;
+    const int length = chosen->interval / STEPS_PER_TRIAL_STEP;
+    chosen->trial_left = length > LEAST_TRIAL ? length : LEAST_TRIAL;
     change_to(memory, true);
+}
+
+static void back_to_explicit(SolverMemory *memory)
+{
+    ChoiceMemory *chosen = &memory->chosen;
+    const bool failed = chosen->trial_left > 0;
+    chosen->interval = failed && chosen->interval < SOLVER_MOST_STEPS ? 2 * chosen->interval : FIRST_INTERVAL;
+    chosen->until_trial = chosen->interval;
+    chosen->trial_left = 0;
+    change_to(memory, false);
 }
 
 static void after_implicit(const System *system, SolverMemory *memory, const Vectors *vectors, const double *x)
 {
     ChoiceMemory *chosen = &memory->chosen;
-    if (chosen->is_trial && chosen->until_measured == SETTLED)
-        begin_window(chosen, SETTLED); /* now the steps have grown */
-    if (chosen->until_measured > 0) return;
+    if (chosen->until_look > 0) return;
     const double mean = chosen->advance / chosen->tried;
-    measure(system, memory, vectors, x, ITERATIONS);
-    const double of_explicit = fmin(mean, SAFE * chosen->limit);
-    if (IMPLICIT_COST * of_explicit > (chosen->is_trial ? 1.0 : GAIN) * mean) {
-        chosen->patience =
-            chosen->is_trial ? (chosen->patience < MOST_PATIENCE ? 2 * chosen->patience : MOST_PATIENCE) : 1;
-        chosen->until_probed = chosen->patience;
-        change_to(memory, false);
-    } else {
-        chosen->patience = 1;
-        begin_window(chosen, IMPLICIT_WINDOW);
+    if (chosen->trial_left > 0) {
+        const bool pays = mean > IMPLICIT_COST * SAFE * chosen->limit;
+        if (!pays && chosen->trial_left <= TRIAL_WINDOW) {
+            back_to_explicit(memory);
+            return;
+        }
+        chosen->trial_left = pays ? 0 : chosen->trial_left - TRIAL_WINDOW;
+        begin_window(chosen, pays ? IMPLICIT_WINDOW : TRIAL_WINDOW);
+        return;
     }
-    chosen->is_trial = false;
+    measure(system, memory, vectors, x, ITERATIONS);
+    begin_window(chosen, IMPLICIT_WINDOW);
+    if (IMPLICIT_COST * fmin(mean, SAFE * chosen->limit) > GAIN * mean) back_to_explicit(memory);
 }
 
 void choose_at_start(const System *system, SolverMemory *memory, const Vectors *vectors, const double *x)
@@ -177,7 +191,7 @@ void choose_at_start(const System *system, SolverMemory *memory, const Vectors *
     measure(system, memory, vectors, x, FIRST_ITERATIONS);
     /* A start from rest: only stability bounds the steps, and must be known well. */
     if (memory->step > chosen->limit) measure(system, memory, vectors, x, QUIET_ITERATIONS);
-    chosen->patience = chosen->until_probed = 1;
+    chosen->interval = chosen->until_trial = FIRST_INTERVAL;
     memory->is_implicit = chosen->limit > 0.0 && memory->step > IMPLICIT_COST * GAIN * chosen->limit;
     begin_window(chosen, memory->is_implicit ? IMPLICIT_WINDOW : EXPLICIT_WINDOW);
     if (!memory->is_implicit && chosen->limit > 0.0) memory->step = fmin(memory->step, SAFE * chosen->limit);
@@ -187,7 +201,7 @@ void choose_method(const System *system, SolverMemory *memory, const Vectors *ve
                    double error, const double *x)
 {
     ChoiceMemory *chosen = &memory->chosen;
-    chosen->until_measured--;
+    chosen->until_look--;
     chosen->tried++;
     if (accepted) chosen->advance += h;
     if (memory->is_implicit)

@@ -38,12 +38,12 @@ typedef struct {
     double limit;        /* largest stable step of the explicit method, as last measured [s]; 0: not known */
     double trust;        /* share of it that has proved stable */
     double lowest_error; /* since the last look, while nothing happens */
-    int until_measured;  /* attempts until the next look */
+    int until_look;      /* attempts until the next look */
     double advance;      /* of the attempts since the last look [s] */
     int tried;           /* and their number */
-    bool is_trial;       /* the implicit method is on trial */
-    int until_probed;    /* looks that find the explicit steps near their limit until the next trial */
-    int patience;        /* what that starts from */
+    int interval;        /* explicit attempts near the limit between trials of the implicit method */
+    int until_trial;     /* of them to go */
+    int trial_left;      /* attempts that the present trial may still take; 0: there is none */
 } ChoiceMemory;
 
 /* Energy that came and went since the start [energy_balance.c]. */
