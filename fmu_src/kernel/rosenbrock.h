@@ -2,7 +2,8 @@
  * A linearly implicit (Rosenbrock) method for y' = f(t, y) with Jacobian J, of `stages` stages: with g = gamma h
  *     (1/g - J) u_i = f(t + alpha_i h, y + sum_{j<i} a_ij u_j) + (1/h) sum_{j<i} c_ij u_j + d_i h f_t
  *     y(t + h) = y + sum m_i u_i            local error: sum e_i u_i
- * and inside the step, s in [0, 1], y(t + s h) = (1 - s) y + s (y(t + h) + (1 - s) sum_k s^k w_k), w_k = sum_j dense_kj u_j.
+ * and inside the step, s in [0, 1],
+ *     y(t + s h) = (1 - s) y + s (y(t + h) + (1 - s) sum_k s^k w_k), w_k = sum_j dense_kj u_j,
  * where J and f_t = df/dt are those at (t, y). In the notation of Hairer & Wanner, Solving Ordinary Differential
  * Equations II, section IV.7.
  */

@@ -55,6 +55,8 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_restart": (None, _POINTER, _DOUBLE, _INT),
     "probe_advance": (_INT, _POINTER, ctypes.POINTER(_DOUBLE), _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
     "probe_tableau": (_INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    "probe_rosenbrock_size": (ctypes.c_char_p, _INT, _ARRAY),
+    "probe_rosenbrock": (_DOUBLE, _INT, _ARRAY, _ARRAY, _ARRAY),
     "probe_name": (ctypes.c_char_p, _INT, _INT),
     "sincos_array_portable": (None, _INT, _ARRAY, _ARRAY, _ARRAY),
     "probe_sincos_avx2": (_INT, _INT, _ARRAY, _ARRAY, _ARRAY),

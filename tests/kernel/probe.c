@@ -10,6 +10,7 @@
 #include "../../fmu_src/kernel/dormand_prince.h"
 #include "../../fmu_src/kernel/dynamics.h"
 #include "../../fmu_src/kernel/processor.h"
+#include "../../fmu_src/kernel/rosenbrock.h"
 #include "../../fmu_src/kernel/sincos.h"
 #include "../../fmu_src/kernel/solver.h"
 #include "../../fmu_src/kernel/statics.h"
@@ -277,6 +278,34 @@ int probe_tableau(double *a, double *b, double *b_embedded, double *c)
         c[i] = table->c[i];
     }
     return table->stages;
+}
+
+static const RosenbrockTable *const ROSENBROCK[] = {&RODAS4, &RODAS4P2, &RODAS5P};
+
+/* Name of the which'th method, and its size: stages, order, order without the error, rows of dense output. */
+const char *probe_rosenbrock_size(int which, double *size)
+{
+    const RosenbrockTable *table = ROSENBROCK[which];
+    size[0] = table->stages, size[1] = table->order, size[2] = table->error_order, size[3] = table->dense_terms;
+    return table->name;
+}
+
+/* Its coefficients: triangles[2] as full squares by rows (a, c), rows[4][stages] (m, e, alpha, d); result: gamma. */
+double probe_rosenbrock(int which, double *triangles, double *rows, double *dense)
+{
+    const RosenbrockTable *table = ROSENBROCK[which];
+    const int stages = table->stages;
+    const double *const triangle[] = {table->a, table->c};
+    const double *const row[] = {table->m, table->e, table->alpha, table->d};
+    for (int k = 0; k < 2; k++) {
+        const double *next = triangle[k];
+        for (int i = 0; i < stages; i++)
+            for (int j = 0; j < stages; j++) *triangles++ = j < i ? *next++ : 0.0;
+    }
+    for (int k = 0; k < 4; k++)
+        for (int i = 0; i < stages; i++) *rows++ = row[k][i];
+    for (int i = 0; i < table->dense_terms * stages; i++) dense[i] = table->dense[i];
+    return table->gamma;
 }
 
 /* Names as the C compiler read them from variables.def, in slot order. */

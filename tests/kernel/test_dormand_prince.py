@@ -3,45 +3,19 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterable
 from fractions import Fraction
-from functools import cache
 from math import prod
 
 import numpy as np
 import pytest
 
-Tree = tuple["Tree", ...]
-"""A rooted tree: its branches, sorted. One order condition each (Butcher)."""
+from tests.kernel.trees import Tree, density, trees
+
 Fractions = list[Fraction]
 Tableau = tuple[list[Fractions], Fractions, Fractions, Fractions]
 """a, b, b_embedded, c"""
 
 STAGES = 7
-
-
-@cache
-def trees(order: int) -> frozenset[Tree]:
-    """All rooted trees with `order` vertices: a leaf put on every vertex of the smaller ones."""
-    if order == 1:
-        return frozenset({()})
-    return frozenset(grown for tree in trees(order - 1) for grown in with_a_leaf_more(tree))
-
-
-def with_a_leaf_more(tree: Tree) -> Iterable[Tree]:
-    yield tuple(sorted([*tree, ()]))
-    for k, branch in enumerate(tree):
-        for grown in with_a_leaf_more(branch):
-            yield tuple(sorted([*tree[:k], grown, *tree[k + 1 :]]))
-
-
-def size(tree: Tree) -> int:
-    return 1 + sum(map(size, tree))
-
-
-def density(tree: Tree) -> int:
-    """gamma(tree) of the condition sum_i b_i phi_i(tree) = 1 / gamma(tree)."""
-    return size(tree) * prod(map(density, tree))
 
 
 def weights(tree: Tree, a: list[Fractions]) -> Fractions:
@@ -68,10 +42,6 @@ def tableau(library: ctypes.CDLL) -> Tableau:
     assert np.array_equal(np.array([[float(x) for x in row] for row in fractions]), doubles)
     b, b_embedded, c = fractions[STAGES:]
     return fractions[:STAGES], b, b_embedded, c
-
-
-def test_there_are_as_many_trees_as_butcher_says() -> None:
-    assert [len(trees(order)) for order in range(1, 7)] == [1, 1, 2, 4, 9, 20]
 
 
 @pytest.mark.parametrize("order", range(1, 6))
