@@ -11,10 +11,6 @@
  * written down. Forces that depend on time by themselves add d_i h dQ/dt to the right side of L d.
  */
 
-#ifndef ROSENBROCK_TABLE
-#define ROSENBROCK_TABLE RODAS5P
-#endif
-
 /* Their slopes by differences of second order, over so small a part of the step that nothing is seen of their curvature
  * and so large a one that nothing is seen of rounding. */
 static bool input_slopes(const System *system, double t, double h, const double *u, double *slope, bool *vary)

@@ -2,10 +2,11 @@
 #ifndef CABLE_METHOD_H
 #define CABLE_METHOD_H
 
+#include "rosenbrock.h"
 #include "solver.h"
 
 /* Vectors of 2 (n + 1) in the solver's block. */
-enum { METHOD_STAGES = 8 };
+enum { METHOD_STAGES = ROSENBROCK_MOST_STAGES };
 typedef struct {
     double *slope;                /* f(t, x) of the present point */
     double *trial;                /* the point that is being tried */
@@ -14,9 +15,11 @@ typedef struct {
     double *force;                /* implicit: two vectors of n + 1 */
     double *fastest;              /* direction of the largest eigenvalue [choice.c] */
     double *spare;
+    double *begin, *end;                 /* of the last step that went beyond t_end [dense.c] */
+    double *bend[ROSENBROCK_MOST_DENSE]; /* w_k of its dense output */
 } Vectors;
 
-enum { VECTORS = METHOD_STAGES + 6 };
+enum { VECTORS = METHOD_STAGES + ROSENBROCK_MOST_DENSE + 8 };
 
 /* One attempt from (t, x) to t_new. The new point goes to vectors->trial, its local error, scaled so that 1 is just
  * accepted, to *error; NaN if anything was not finite. False if there were no inputs. */
@@ -24,6 +27,12 @@ bool explicit_attempt(const System *system, SolverMemory *memory, const Vectors 
                       const double *x, double *error);
 bool implicit_attempt(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
                       const double *x, double *error);
+
+/* dense.c: remembers an implicit step from (t, x) to the trial point beyond t_end; the state at a time inside it; and
+ * whether it may be used for a call that begins at t. */
+void dense_remember(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
+                    const double *x);
+void dense_state(const System *system, const SolverMemory *memory, const Vectors *vectors, double t, double *x);
 
 /* slope = f(t, x), counted; the inputs that it took go to u. */
 bool slope_at(const System *system, SolverMemory *memory, double t, const double *x, double *slope, double *u);

@@ -24,9 +24,10 @@ size_t solver_doubles(int n)
 static Vectors vectors_in(double *block, int count)
 {
     Vectors vectors;
-    double **const all[] = {&vectors.slope, &vectors.trial, &vectors.right_side,
-                            &vectors.force, &vectors.spare, &vectors.fastest};
+    double **const all[] = {&vectors.slope, &vectors.trial,   &vectors.right_side, &vectors.force,
+                            &vectors.spare, &vectors.fastest, &vectors.begin,      &vectors.end};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++, block += count) *all[k] = block;
+    for (int j = 0; j < ROSENBROCK_MOST_DENSE; j++, block += count) vectors.bend[j] = block;
     for (int j = 0; j < METHOD_STAGES; j++, block += count) vectors.stage[j] = block;
     return vectors;
 }
@@ -37,7 +38,7 @@ void solver_restart(SolverMemory *memory)
     memory->error_before = 1.0;
     memory->is_implicit = false;
     memset(&memory->chosen, 0, sizeof memory->chosen);
-    memory->has_slope = memory->has_point = memory->has_moved = false;
+    memory->has_slope = memory->has_point = memory->has_moved = memory->is_inside = memory->rested = false;
 }
 
 double fifth_root(double x)
@@ -175,11 +176,41 @@ static bool start(const System *system, SolverMemory *memory, const Vectors *vec
 {
     if (memory->choice != SOLVER_AUTOMATIC) memory->is_implicit = memory->choice == SOLVER_IMPLICIT;
     memory->counter[SOLVER_error_estimate] = 0.0;
+    double before[INPUT_COUNT];
+    memcpy(before, memory->slope_u, sizeof before);
+    const bool had_slope = memory->has_slope;
     if (!ensure_point(system, memory, vectors, t, x)) return false;
+    memory->rested = had_slope && memcmp(before, memory->slope_u, sizeof before) == 0;
+    memory->is_inside = memory->is_inside && memory->rested && system->inputs_rest;
     if (memory->step != 0.0) return true;
     if (!first_step(system, memory, vectors, t, t_end - t, least, x)) return false;
     if (memory->choice == SOLVER_AUTOMATIC) choose_at_start(system, memory, vectors, x);
     return true;
+}
+
+/* Inside a step that was made already: to t_end, or to that step's end if it comes first. */
+static void go_inside(const System *system, SolverMemory *memory, const Vectors *vectors, double *t, double t_end,
+                      double *x)
+{
+    if (t_end < memory->dense_to) {
+        *t = t_end;
+        dense_state(system, memory, vectors, t_end, x);
+    } else {
+        *t = memory->dense_to;
+        memcpy(x, vectors->end, (size_t)model_states(system->model) * sizeof *x);
+        memory->is_inside = false;
+    }
+    memory->has_slope = memory->has_point = false;
+    memory->has_moved = true;
+}
+
+/* Where the next step ends: as far as it wishes, not beyond t_end unless it may. */
+static double next_time(const System *system, const SolverMemory *memory, double t, double t_end)
+{
+    const double remaining = t_end - t, wish = memory->step;
+    if (wish < remaining) return t + (2.0 * wish > remaining ? 0.5 * remaining : wish); /* no sliver is left over */
+    const bool beyond = memory->is_implicit && system->inputs_rest && memory->rested && wish > 1.2 * remaining;
+    return beyond ? t + wish : t_end;
 }
 
 SolverStatus solver_advance(const System *system, SolverMemory *memory, double *block, double *t, double t_end,
@@ -189,23 +220,23 @@ SolverStatus solver_advance(const System *system, SolverMemory *memory, double *
     const double least = RESOLUTION * fmax(fabs(*t), fabs(t_end));
     bool rejected_before = false;
     if (!start(system, memory, &vectors, *t, t_end, least, x)) return SOLVER_INPUT_FAILED;
+    if (memory->is_inside) go_inside(system, memory, &vectors, t, t_end, x);
 
     for (int tries = 0; *t < t_end; tries++) {
         if (tries == SOLVER_MOST_STEPS) return SOLVER_TOO_MANY_STEPS;
         if (!ensure_point(system, memory, &vectors, *t, x)) return SOLVER_INPUT_FAILED;
-        const double remaining = t_end - *t, wish = memory->step;
-        const bool last = wish >= remaining;
-        if (wish < least && !last) return SOLVER_STEP_TOO_SMALL;
-        /* The last two steps share what remains, so that no sliver is left over. */
-        const double h = last ? remaining : (2.0 * wish > remaining ? 0.5 * remaining : wish);
-        const double t_new = last ? t_end : *t + h;
+        const double t_new = next_time(system, memory, *t, t_end), h = t_new - *t;
+        if (memory->step < least && t_new < t_end) return SOLVER_STEP_TOO_SMALL;
 
         double error;
         if (!attempt(system, memory, &vectors, *t, t_new, x, &error)) return SOLVER_INPUT_FAILED;
         const bool accepted = error <= 1.0;
         if (accepted) {
             accept(memory, h, error, rejected_before);
+            memory->is_inside = t_new > t_end;
+            if (memory->is_inside) dense_remember(system, memory, &vectors, *t, t_new, x);
             move_on(system, memory, &vectors, t_new, t, x);
+            if (memory->is_inside) go_inside(system, memory, &vectors, t, t_end, x);
             if (angle_out_of_range(system->model, x)) return SOLVER_ANGLE_TOO_LARGE;
         } else {
             reject(memory, h, error);

@@ -31,6 +31,7 @@ typedef struct {
     Linear *linear;
     bool (*inputs)(void *source, double time, double *u);
     void *source;
+    bool inputs_rest; /* they are the same at all times of this call, and known to be so beyond its end */
 } System;
 
 /* What the automatic choice remembers [choice.c]. */
@@ -70,6 +71,9 @@ typedef struct {
     bool has_moved;      /* the present point was reached by a step, and nothing was evaluated there yet */
     bool has_point;      /* the linearised chain is that of the present point */
     double slope_u[INPUT_COUNT];
+    bool is_inside;               /* the present point is inside a step that was made already [dense.c] */
+    bool rested;                  /* the inputs did not change from the last call to this one */
+    double dense_from, dense_to;  /* that step [s] */
     double counter[SOLVER_COUNT]; /* since the start, as hosts read them */
     ChoiceMemory chosen;
     EnergyMemory energy;

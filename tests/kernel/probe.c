@@ -257,7 +257,9 @@ void probe_restart(Probe *probe, double tolerance, int choice)
 int probe_advance(Probe *probe, double *t, double t_end, double *x, const double *waves, double *counter)
 {
     Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT};
-    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source};
+    bool rest = true;
+    for (int k = 0; k < INPUT_COUNT; k++) rest &= waves[INPUT_COUNT + k] == 0.0;
+    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, rest};
     const SolverStatus status = solver_advance(&system, &probe->memory, probe->stages, t, t_end, x);
     double output[OUTPUT_COUNT];
     cable_outputs(&probe->model, x, NULL, &probe->work, output, false);
