@@ -51,7 +51,7 @@ def random_cable(
     links = _random_links(rng, n, kind, water, uneven, parameters)
     parameters |= _random_terminal(rng, terminal, water)
     reach, angle = links.length.sum(), rng.uniform(-1.0, 1.0)
-    springs = terminal in (Terminal.ANCHOR_SPRING, Terminal.FLOATER)
+    placed = terminal in (Terminal.ANCHOR_SPRING, Terminal.FLOATER, Terminal.PIN)
     shape = np.concatenate([[0.0], np.full(n, angle)])
     inputs = _INPUTS[terminal] if rng.random() < 0.5 else _INPUTS[terminal] + _OPTIONAL_INPUTS[terminal]
     return Cable(
@@ -63,13 +63,16 @@ def random_cable(
         inputs=inputs,
         position=shape + 0.1 * rng.uniform(-1.0, 1.0, n + 1),
         velocity=0.1 * rng.uniform(-1.0, 1.0, n + 1),
-        rest_position=(float(reach * np.sin(angle)), float(reach * np.cos(angle))) if springs else (0.0, 0.0),
+        rest_position=(float(reach * np.sin(angle)), float(reach * np.cos(angle))) if placed else (0.0, 0.0),
         input_start={inputs[0]: rng.uniform(-1e3, 1e3)},
     )
 
 
 def random_state(rng: np.random.Generator, cable: Cable) -> tuple[Floats, Floats]:
-    """(q, v) anywhere: every angle up to half a turn, rates up to 1 rad/s, 2 m and 2 m/s of heave."""
+    """(q, v) anywhere: every angle up to half a turn, rates up to 1 rad/s, 2 m and 2 m/s of heave.
+
+    A pin may be far from P_n: the equation of motion holds off the constraint as well.
+    """
     q = np.concatenate([[rng.uniform(-2.0, 2.0)], rng.uniform(-np.pi, np.pi, cable.n)])
     v = np.concatenate([[rng.uniform(-2.0, 2.0)], rng.uniform(-1.0, 1.0, cable.n)])
     return q, v
@@ -85,12 +88,14 @@ _INPUTS: dict[Terminal, tuple[str, ...]] = {
     Terminal.ANCHOR_MASS: ("u_m1",),
     Terminal.ANCHOR_SPRING: ("u_m1",),
     Terminal.FLOATER: ("u_m1", "u_m2"),
+    Terminal.PIN: ("u_m1",),
 }
 _OPTIONAL_INPUTS: dict[Terminal, tuple[str, ...]] = {
     Terminal.LOAD: (),
     Terminal.ANCHOR_MASS: (),
     Terminal.ANCHOR_SPRING: (),
     Terminal.FLOATER: ("F_cx",),
+    Terminal.PIN: (),
 }
 
 
@@ -133,7 +138,9 @@ def _random_links(
 
 
 def _random_terminal(rng: np.random.Generator, terminal: Terminal, water: bool) -> dict[str, float]:
-    """The terminal's parameters: a mass of 10 kg to 10 t, and what else its kind has."""
+    """The terminal's parameters: none of a pin, else a mass of 10 kg to 10 t, and what else its kind has."""
+    if terminal is Terminal.PIN:
+        return {}
     mass = _spread(rng, 10.0, 1e4)
     if terminal is Terminal.FLOATER:
         return {"M_2": mass, **_random_springs(rng, ("k_m2V", "c_m2V", "k_m2H", "c_m2H"))}

@@ -82,7 +82,7 @@ def test_two_floaters_carry_half_the_cable_each() -> None:
     assert parameters["static_pull_2"] == pytest.approx(1041.1, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["seabed-spring-60", "floaters-loose-80", "seabed-mass-110"])
+@pytest.mark.parametrize("name", ["seabed-spring-60", "floaters-loose-80", "seabed-mass-110", "seabed-pin-60"])
 def test_the_start_is_at_rest(name: str) -> None:
     """Virtual work: with joints without springs, no coordinate is pushed by weights, preloads and floater.
 
@@ -92,8 +92,8 @@ def test_the_start_is_at_rest(name: str) -> None:
     cable = load_scene(name).cable
     p, links, angles = cable.parameters, cable.links, cable.position[1:]
     weights = (links.mass - p["rho_w"] * links.volume) * p["g"]
-    if cable.terminal is Terminal.ANCHOR_MASS:
-        # The mass takes any force: what holds it follows from the last link.
+    if cable.terminal in (Terminal.ANCHOR_MASS, Terminal.PIN):
+        # It takes any force: what holds it follows from the last link.
         carried = p["static_load"] - weights.sum()
         pull = math.tan(angles[-1]) * (carried + weights[-1] / 2.0)
     else:
@@ -111,6 +111,7 @@ def test_the_start_is_at_rest(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "port"),
     [("seabed-mass-60", (120.0, 200.0)), ("seabed-mass-110", (120.0, 200.0)), ("seabed-spring-60", (120.0, 200.0)),
+     ("seabed-pin-60", (120.0, 200.0)),
      ("floaters-both-80", (160.0, 0.0)), ("floaters-loose-80", (160.0, 0.0)), ("floaters-restrained-80", (160.0, 0.0))],
 )  # fmt: skip
 def test_the_start_shape_ends_at_the_port(name: str, port: tuple[float, float]) -> None:
@@ -153,6 +154,7 @@ def test_parameters_are_what_the_scene_has_and_no_more() -> None:
         ("free-12-air", "g M_1 k_m1 c_m1 static_load k_joint c_joint m_c I_Rc"),
         ("load-lift-80", "g M_1 k_m1 c_m1 static_load rho_w Cd k_joint c_joint m_c rho_c"),
         ("seabed-mass-60", "g M_1 k_m1 c_m1 static_load rho_w Cd k_joint c_joint m_c"),
+        ("seabed-pin-60", "g M_1 k_m1 c_m1 static_load rho_w Cd k_joint c_joint"),
         ("seabed-spring-60", "g M_1 k_m1 c_m1 static_load rho_w Cd k_joint c_joint m_c rho_c"
                              " k_cV c_cV k_cH c_cH static_load_2 static_pull_2"),
         ("floaters-both-80", "g M_1 k_m1 c_m1 static_load rho_w Cd k_joint c_joint M_2"
@@ -173,6 +175,33 @@ def test_an_anchor_of_mass_stands_where_the_cable_ends() -> None:
         small(('kind = "load"\nmass', anchor))
     straight = ('kind = "angles"\nangles = [0.1, "0.2 rad"]', 'kind = "catenary"')
     assert small(('kind = "load"\nmass', anchor), straight).inputs == ("u_m1",)
+
+
+PIN = 'kind = "pin"\nposition = [{}, {}]'
+END = (2.0 * math.sin(0.1) + 4.0 * math.sin(0.2), 2.0 * math.cos(0.1) + 4.0 * math.cos(0.2))
+"""Where the start shape of the small scene ends [m]; its cable is 6 m long."""
+
+
+@pytest.mark.parametrize("off", [0.0, 0.0059, 0.0061])
+def test_a_start_shape_may_miss_its_pin_by_the_rounding_of_its_angles(off: float) -> None:
+    """By a thousandth of the cable's 6 m; what the pin's place is, the cable says, and has no parameter for it."""
+    position = (END[0], END[1] + off)
+    change = ('kind = "load"\nmass = 60', PIN.format(*position))
+    if off > 0.006:
+        with pytest.raises(SceneError, match=r"the start shape ends at \(0.994344, 5.91027\) m, not at the pin"):
+            small(change)
+        return
+    cable = small(change)
+    assert (cable.terminal, cable.rest_position, cable.inputs) == (Terminal.PIN, position, ("u_m1",))
+    assert set(cable.parameters) == {"g", "M_1", "k_m1", "c_m1", "static_load", "c_joint"}
+
+
+def test_a_pin_is_pulled_as_any_anchor_in_its_place() -> None:
+    """The floater carries the catenary's vertical pull, whatever takes the other end's."""
+    loads = {
+        name: load_scene(f"seabed-{name}-60").cable.parameters["static_load"] for name in ("pin", "mass", "spring")
+    }
+    assert loads["pin"] == loads["mass"] == loads["spring"] > CABLE_WEIGHT
 
 
 def test_inputs_start_at_what_their_signals_start_at() -> None:

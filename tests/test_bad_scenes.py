@@ -67,6 +67,7 @@ def test_the_scene_to_spoil_is_good() -> None:
     assert load(GOOD).cable.n == 3
 
 
+SPRINGS = GOOD.partition("[terminal]\n")[2].partition("position")[0]
 SINE = '{ signal = "sine", amplitude = 100, period = 4 }'
 
 BAD: list[tuple[str, str, tuple[str, ...]]] = [
@@ -98,7 +99,20 @@ BAD: list[tuple[str, str, tuple[str, ...]]] = [
         ('inputs.u_m1.amplitud = 100: unknown key; the nearest is "amplitude"',),
     ),
     ("[run]", '[outputs]\ndrop = ["tension"]\n[run]', ('outputs.drop, entry 1 = "tension"', "tension_top")),
+    (
+        "[run]",
+        '[run]\nsolver = "implict"',
+        ('run.solver = "implict": the nearest is "implicit"', "automatic, explicit"),
+    ),
+    ("[run]", '[run]\ninitial = "rest"', ('run.initial = "rest": allowed: shape, equilibrium',)),
+    (
+        "[run]",
+        '[outputs]\ndrop = ["statics.residual"]\n[run]',
+        ("outputs.drop", 'statics.residual exists only in scenes with [run] initial = "equilibrium"'),
+    ),
     # Wrong type
+    ("[run]", "[outputs]\nsolver = 0\n[run]", ("outputs.solver = 0: true or false is expected",)),
+    ("[run]", "[run]\nsolver = 2", ("run.solver = 2: allowed: automatic, explicit, implicit",)),
     ("mass = 600", "mass = true", ("top.mass = true: a mass [kg] is expected",)),
     ("links = 3", "links = 3.0", ("cable.links = 3.0: a whole number of links from 1 to 10000",)),
     ("[water]", "[[water]]", ('water = [{"Cd": 1.0}]: a table is expected',)),
@@ -155,7 +169,7 @@ BAD: list[tuple[str, str, tuple[str, ...]]] = [
     (
         '"anchor-spring"',
         '"anchor"',
-        ('terminal.kind = "anchor": the nearest is "anchor-mass"', "anchor-spring, floater"),
+        ('terminal.kind = "anchor": the nearest is "anchor-mass"', "anchor-spring, floater, pin"),
     ),
     (
         'kind = "catenary"',
@@ -167,7 +181,14 @@ BAD: list[tuple[str, str, tuple[str, ...]]] = [
     ("u_m1 = {", "F_cx = {", ("inputs.F_cx", 'a scene with terminal "anchor-spring" has the inputs u_m1')),
     # (an integer that Python itself refuses to print)
     ('signal = "sine"', "signal = 0x" + "f" * 6000, ("inputs.u_m1.signal = Infinity",)),
+    (SPRINGS, 'kind = "pin"\nmass = 60\n', ("terminal.mass = 60: unknown key; allowed: kind, position",)),
+    (SPRINGS, 'kind = "pin"\nstiffness_vertical = 1e9\n', ("terminal.stiffness_vertical", "allowed: kind, position")),
     # Geometry that cannot be
+    (
+        SPRINGS + 'position = [15, 20]\n\n[shape]\nkind = "catenary"',
+        'kind = "pin"\nposition = [15, 20]\n[shape]\nkind = "hanging"',
+        ("terminal.position = [15.0, 20.0]: the start shape ends at (0, 30) m, not at the pin", '"catenary"'),
+    ),
     ("[15, 20]", "[15, 30]", ("terminal.position = [15.0, 30.0]: the ports are 33.541 m apart", "30 m long")),
     ("[15, 20]", "[0, 0]", ("terminal.position", "too close together")),
     ("density = 7850\ny", "density = 1000\ny", ("terminal.position", "a cable without weight")),

@@ -6,12 +6,17 @@ import dataclasses
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from cablefmu.cable import Initial, SolverChoice, Terminal
 from cablefmu.errors import SceneError
+from cablefmu.fmu.table import table
 from cablefmu.scene import Scene, load_scene, shipped_scenes
+from cablefmu.scene_schema import STATICS
 
 # n, stop time [s] and frames [s] as the dissertation has them (section 6); None where it shows no frames.
+# seabed-pin-60 is ours: seabed-mass-60 with an ideal anchor.
 EXPECTED = {
     "angles-12-water": (12, 62.0, None),
     "floaters-both-80": (80, 15.5, 0.5),
@@ -28,6 +33,7 @@ EXPECTED = {
     "load-lift-80": (80, 31.0, 1.0),
     "seabed-mass-60": (60, 15.5, 0.5),
     "seabed-mass-110": (110, 15.5, 0.5),
+    "seabed-pin-60": (60, 15.5, 0.5),
     "seabed-spring-60": (60, 15.5, 0.5),
     **{f"timing-{n}": (n, 10.0, None) for n in (20, 40, 60, 80, 100, 120)},
 }
@@ -63,6 +69,7 @@ def test_air_and_water_twins_start_from_the_same_shape(medium: str) -> None:
         ("heave-60-air", "u_m1", 25000.0),
         ("heave-60-water", "u_m1", 25000.0),
         ("seabed-mass-60", "u_m1", 25000.0),
+        ("seabed-pin-60", "u_m1", 25000.0),
         ("floaters-restrained-80", "u_m1", 25000.0),
         ("floaters-loose-80", "u_m1", 15000.0),
         ("floaters-both-80", "u_m1", 2500.0),
@@ -105,6 +112,48 @@ def test_a_scene_by_path_brings_its_files(tmp_path: Path) -> None:
     assert again.cable.parameters == scene.cable.parameters
     with pytest.raises(SceneError, match=r"^my-heave\.toml: inputs\.u_m1: waves/heave\.csv: there is no such file"):
         Scene.from_text(scene.text, name=scene.name)
+
+
+def test_the_pinned_scene_is_the_one_with_the_huge_mass_but_for_its_anchor() -> None:
+    pinned, heavy = (load_scene(f"seabed-{anchor}-60") for anchor in ("pin", "mass"))
+    cable = dataclasses.replace(pinned.cable, terminal=Terminal.ANCHOR_MASS, rest_position=(0.0, 0.0))
+    for name in ("position", "velocity", "terminal", "rest_position", "drag", "inputs", "input_start"):
+        assert np.array_equal(getattr(cable, name), getattr(heavy.cable, name)), name
+    assert dataclasses.astuple(cable.links)[0].tolist() == heavy.cable.links.length.tolist()
+    assert cable.parameters | {"m_c": 8e8} == heavy.cable.parameters
+    assert pinned.signals == heavy.signals
+
+
+def with_lines(table: str, *lines: str, scene: str = "free-12-air") -> Scene:
+    """A shipped scene with further lines in one of its tables, which it may not have yet."""
+    text = load_scene(scene).text
+    header = f"[{table}]\n"
+    text = text if header in text else f"{text}\n{header}"
+    return Scene.from_text(text.replace(header, header + "\n".join(lines) + "\n"), name="changed")
+
+
+def test_solver_and_start_are_chosen_by_name() -> None:
+    plain = load_scene("free-12-air").cable
+    assert (plain.solver, plain.initial) == (SolverChoice.AUTOMATIC, Initial.SHAPE)
+    for solver in SolverChoice:
+        for initial in Initial:
+            cable = with_lines("run", f'solver = "{solver}"', f'initial = "{initial}"').cable
+            assert (cable.solver, cable.initial) == (solver, initial)
+
+
+def test_health_of_the_solver_can_be_left_out_as_a_whole() -> None:
+    health = tuple(table().solver)
+    assert "solver.steps" in health and load_scene("free-12-air").dropped_outputs == ()
+    assert with_lines("outputs", "solver = false").dropped_outputs == health
+    assert with_lines("outputs", "solver = true").dropped_outputs == ()
+    both = with_lines("outputs", "solver = false", 'drop = ["energy", "solver.rhs"]').dropped_outputs
+    assert sorted(both) == sorted(("energy", *health))
+
+
+def test_outputs_of_an_equilibrium_can_be_dropped_where_there_is_one() -> None:
+    text = load_scene("free-12-air").text.replace("[run]\n", '[run]\ninitial = "equilibrium"\n')
+    scene = Scene.from_text(text + '[outputs]\ndrop = ["statics.residual", "statics.iterations"]\n', name="still")
+    assert scene.dropped_outputs == STATICS
 
 
 def test_a_byte_order_mark_and_foreign_line_ends_do_no_harm(tmp_path: Path) -> None:

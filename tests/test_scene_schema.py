@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from importlib import resources
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from cablefmu.scene_schema import OUTPUTS, inputs_of, schema_text
+from cablefmu.scene_schema import OUTPUTS, STATICS, inputs_of, schema_text
 
 PACKAGE = resources.files("cablefmu")
 SCENES = sorted(entry.name for entry in (PACKAGE / "scenes").iterdir() if entry.name.endswith(".toml"))
@@ -45,11 +46,14 @@ def test_shipped_scenes_are_valid(name: str, validator: Any) -> None:
         ("terminal", "kind", "anchor"),
         ("shape", "angle", True),
         ("run", "tolerance", 1.0),
+        ("run", "solver", "stiff"),
+        ("run", "initial", "rest"),
+        ("outputs", "solver", "no"),
     ],
 )
 def test_editors_are_warned(table: str, key: str, value: object, validator: Any) -> None:
     scene = tomllib.loads((PACKAGE / "scenes" / "free-12-water.toml").read_text(encoding="utf-8"))
-    scene[table][key] = value
+    scene.setdefault(table, {})[key] = value
     assert not validator.is_valid(scene)
 
 
@@ -57,6 +61,12 @@ def test_inputs_and_outputs_have_the_names_that_users_rely_on() -> None:
     assert inputs_of("load", False) == ("u_m1", "F_cx", "F_cy")
     assert inputs_of("floater", False) == ("u_m1", "u_m2")
     assert inputs_of("floater", True) == ("u_m1", "u_m2", "F_cx")
-    assert inputs_of("anchor-mass", False) == inputs_of("anchor-spring", False) == ("u_m1",)
+    assert inputs_of("anchor-mass", False) == inputs_of("anchor-spring", False) == inputs_of("pin", False) == ("u_m1",)
     assert OUTPUTS[:6] == ("y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c")
     assert OUTPUTS[6:10] == ("tension_top", "tension_end", "tension_max", "energy")
+
+
+def test_outputs_of_an_equilibrium_are_those_of_the_table_of_variables() -> None:
+    text = (PACKAGE / "binaries" / "variables.def").read_text(encoding="utf-8")
+    names = re.findall(r"^STATICS\((\w+)", text, re.MULTILINE)
+    assert [f"statics.{name}" for name in names] == list(STATICS)

@@ -14,6 +14,7 @@ import xarray as xr
 
 from cablefmu.errors import CableError, FmuError, OptionError, RunError, SceneError
 from cablefmu.fmu.archive import build_fmu
+from cablefmu.fmu.table import table
 from cablefmu.scene import Scene
 from cablefmu.signals import Constant
 from cablefmu.simulate import simulate
@@ -119,6 +120,24 @@ def test_a_run_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyP
     with pytest.raises(RunError):
         simulate(small_scene("load"), parameters={"F_cx": 1e300})
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_solver_tells_of_itself_and_nobody_elses_does() -> None:
+    """Every figure of the FMU's solver in Co-Simulation; of CVode, which has its own, what it counts."""
+    own = simulate(small_scene("load"), stop_time=0.5)
+    told = {f"solver.{name.removeprefix('solver_')}": v for name, v in own.attrs.items() if name.startswith("solver_")}
+    assert told == {name: own[name].values[-1] for name in table().solver}
+    measured = {name for name, value in told.items() if isinstance(value, float)}
+    assert measured == {"solver.step_size", "solver.error_estimate", "solver.energy_residual"}
+    cvode = simulate(small_scene("load"), stop_time=0.5, interface="me").attrs
+    assert {name for name in cvode if name.startswith("solver_")} == {"solver_steps", "solver_rejected", "solver_rhs"}
+
+
+def test_a_scene_without_health_outputs_runs_and_tells_nothing() -> None:
+    scene = Scene.from_text(SCENES["load"] + "[outputs]\nsolver = false\n", name="silent")
+    result = simulate(scene, stop_time=0.5)
+    assert not [name for name in (*result, *result.attrs) if str(name).startswith("solver")]
+    assert result["x_c"].values[-1] == simulate(small_scene("load"), stop_time=0.5)["x_c"].values[-1]
 
 
 # --- what can be set ---

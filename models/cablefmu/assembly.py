@@ -13,17 +13,20 @@ from collections.abc import Mapping
 import numpy as np
 
 from cablefmu import scene_schema as schema
-from cablefmu.cable import Cable, Drag, Floats, Links, Terminal
+from cablefmu.cable import Cable, Drag, Floats, Initial, Links, SolverChoice, Terminal
 from cablefmu.scene_mistakes import Mistake, MistakeFoundError
 from cablefmu.shapes import Catenary, NoCatenaryError, catenary, end_point, straight
 from cablefmu.signals import Signal
 
 __all__ = ["assemble"]
 
-_SPRUNG = (schema.AnchorSpringTable, schema.FloaterTable)
+_PLACED = (schema.AnchorSpringTable, schema.FloaterTable, schema.PinTable)
+"""Terminals whose place the equations of motion know."""
+_UNMOVED = (schema.AnchorMassTable, schema.PinTable)
+"""Terminals that hold the cable's end from the start."""
 
 END_SLACK = 1e-3
-"""How far from its anchor a start shape may end, as a share of the cable: room for rounded angles."""
+"""How far from its anchor or pin a start shape may end, as a share of the cable: room for rounded angles."""
 
 
 def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cable:
@@ -73,8 +76,10 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
         inputs=inputs,
         position=np.concatenate([[0.0], angles]),
         velocity=np.zeros(len(links) + 1),
-        rest_position=terminal.position if isinstance(terminal, _SPRUNG) else (0.0, 0.0),
+        rest_position=terminal.position if isinstance(terminal, _PLACED) else (0.0, 0.0),
         input_start={key: signals[key](0.0) for key in inputs if key in signals},
+        solver=SolverChoice(spec.run.solver),
+        initial=Initial(spec.run.initial),
     )
 
 
@@ -125,9 +130,9 @@ def _submerged(mass: Floats, volume: Floats, spec: schema.Spec) -> Floats:
 
 
 def _terminal_mass(spec: schema.Spec) -> float:
-    """Weight-carrying mass of the terminal [kg]: 0 for what floats or is neutrally buoyant."""
+    """Weight-carrying mass of the terminal [kg]: 0 for what floats, is neutrally buoyant or has no mass."""
     terminal = spec.terminal
-    if isinstance(terminal, schema.AnchorMassTable | schema.FloaterTable):
+    if isinstance(terminal, schema.AnchorMassTable | schema.FloaterTable | schema.PinTable):
         return 0.0
     if spec.water is None:
         return terminal.mass
@@ -159,13 +164,14 @@ def _angles(spec: schema.Spec, rest: Catenary | None) -> Floats:
 
 
 def _check_end(spec: schema.Spec, length: Floats, angles: Floats) -> None:
-    """An anchor of mass stands where it stands: a shape that ends elsewhere would move it."""
-    if not isinstance(spec.terminal, schema.AnchorMassTable):
+    """What does not move stands where it stands: a shape that ends elsewhere would move it."""
+    if not isinstance(spec.terminal, _UNMOVED):
         return
     x, y = end_point(length, angles)
     position = spec.terminal.position
     if np.hypot(x - position[0], y - position[1]) > END_SLACK * np.sum(length):
-        text = f'the start shape ends at ({x:.6g}, {y:.6g}) m, not at the anchor; use kind = "catenary"'
+        what = "pin" if isinstance(spec.terminal, schema.PinTable) else "anchor"
+        text = f'the start shape ends at ({x:.6g}, {y:.6g}) m, not at the {what}; use kind = "catenary"'
         raise MistakeFoundError(Mistake("terminal.position", text, list(position)))
 
 
@@ -193,6 +199,8 @@ def _terminal_parameters(
     spec: schema.Spec, rest: Catenary | None, cable_weight: float, terminal_weight: float
 ) -> dict[str, float]:
     terminal = spec.terminal
+    if isinstance(terminal, schema.PinTable):
+        return {}
     if isinstance(terminal, schema.AnchorMassTable):
         return {"m_c": terminal.mass}
     if isinstance(terminal, schema.LoadTable):

@@ -24,6 +24,7 @@ from .feed import Feed
 __all__ = ["Driver", "make_driver"]
 
 _SLIVER = 8.0  # units in the last place: rounding puts a jump beside an output time, and CVode takes no such step
+_MEASURES = ("step_size", "error_estimate", "energy_residual")  # of the solver's health: the rest are counts
 _MOST_STEPS = 1_000_000  # of CVode within one output interval; bounded work instead of a hang
 
 
@@ -43,8 +44,8 @@ class Driver(Protocol):
     def advance(self, time: float, end: float) -> None:
         """From `time` to `end`, between which no force jumps."""
 
-    def counters(self) -> dict[str, int]:
-        """Steps, rejected steps and right-hand sides so far, as far as the solver tells."""
+    def counters(self) -> dict[str, float]:
+        """What the solver that ran tells of itself so far; whole numbers are int."""
 
     def close(self) -> None:
         """Free the instance and its library."""
@@ -79,10 +80,11 @@ class _Base(ABC):
     def failed(self, what: str) -> RunError:
         return RunError(self.messages[-1] if self.messages else f"{what} failed without a message")
 
-    def counters(self) -> dict[str, int]:
-        names = [name for name in ("solver.steps", "solver.rejected", "solver.rhs") if name in self.reference]
+    def counters(self) -> dict[str, float]:
+        names = [name for name in self.reference if name.startswith("solver.")]
         values = self.get([self.reference[name] for name in names])
-        return {name.removeprefix("solver."): int(value) for name, value in zip(names, values, strict=True)}
+        counted = {name.removeprefix("solver."): value for name, value in zip(names, values, strict=True)}
+        return {name: value if name in _MEASURES else int(value) for name, value in counted.items()}
 
     @abstractmethod
     def get(self, references: Sequence[int]) -> list[float]:
@@ -301,8 +303,8 @@ class _ModelExchange(_Base):
         self._set_time(end)
         self.set_inputs(self.feed.values_before(end, self._jump))
 
-    def counters(self) -> dict[str, int]:
-        self._add_cvode_counters()
+    def counters(self) -> dict[str, float]:
+        self._add_cvode_counters()  # the FMU's own stay where they started
         return {**self._counted, "rhs": self._evaluations}
 
     def _add_cvode_counters(self) -> None:

@@ -99,7 +99,7 @@ class Scene:
     @property
     def dropped_outputs(self) -> tuple[str, ...]:
         """Names of the outputs that the scene does without."""
-        return self.spec.outputs.drop
+        return self.spec.outputs.dropped
 
     @property
     def stop_time(self) -> float:

@@ -20,12 +20,15 @@ from cablefmu.fmu.table import table
 from cablefmu.scene_inputs import INPUTS, InputsTable
 from cablefmu.scene_table import PerLink, Table, one_per_link
 
-__all__ = ["OUTPUTS", "Spec", "inputs_of", "schema_text"]
+__all__ = ["OUTPUTS", "STATICS", "Spec", "inputs_of", "schema_text"]
 
 MAX_LINKS = 10_000
 MAX_OUTPUT_ROWS = 10_000_000
 
 OUTPUTS = (*table().outputs, *table().solver)
+"""What every scene has and may do without."""
+STATICS = ("statics.residual", "statics.iterations")
+"""The same of scenes that start from an equilibrium."""
 
 
 def _format(value: object) -> object:
@@ -154,7 +157,15 @@ class FloaterTable(Table):
     """Whether there is an input F_cx."""
 
 
-TerminalTable = LoadTable | AnchorMassTable | AnchorSpringTable | FloaterTable
+class PinTable(Table):
+    """An anchor that cannot move."""
+
+    kind: Literal["pin"]
+    position: Position
+    """Where it holds the cable's end: x to the right, y downward from the top port."""
+
+
+TerminalTable = LoadTable | AnchorMassTable | AnchorSpringTable | FloaterTable | PinTable
 
 
 class StraightShape(Table):
@@ -186,8 +197,15 @@ class CatenaryShape(Table):
 class OutputsTable(Table):
     """Which outputs the scene does without."""
 
-    drop: tuple[Literal[OUTPUTS], ...] = ()  # type: ignore[valid-type]
+    drop: tuple[Literal[(*OUTPUTS, *STATICS)], ...] = ()  # type: ignore[valid-type]
     """Names of outputs to leave out."""
+    solver: StrictBool = True
+    """Whether there are outputs solver.* that tell how well the built-in solver does."""
+
+    @property
+    def dropped(self) -> tuple[str, ...]:
+        """Names of all outputs that are left out, each once."""
+        return tuple(dict.fromkeys((*self.drop, *(() if self.solver else table().solver))))
 
 
 class RunTable(Table):
@@ -200,6 +218,10 @@ class RunTable(Table):
     """Between the shapes in a picture; by default a thirtieth of the stop time."""
     tolerance: u.Tolerance = 1e-6
     """Relative tolerance of the solver."""
+    solver: Literal["automatic", "explicit", "implicit"] = "automatic"
+    """Method of the built-in solver (Co-Simulation); automatic: whichever is cheaper, decided during the run."""
+    initial: Literal["shape", "equilibrium"] = "shape"
+    """Start from the shape as it stands, or from the stable equilibrium that is found from there."""
 
     @model_validator(mode="after")
     def _reasonable(self) -> RunTable:
@@ -230,6 +252,7 @@ class Spec(Table):
     @classmethod
     def contradictions(cls, data: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], str]]:
         """What only shows when tables are read together."""
+        yield from _statics_without_equilibrium(data)
         terminal = data.get("terminal")
         kind = terminal.get("kind") if isinstance(terminal, dict) else None
         if not isinstance(terminal, dict) or not isinstance(kind, str):
@@ -255,12 +278,22 @@ class Spec(Table):
             )
 
 
+def _statics_without_equilibrium(data: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Outputs that only an equilibrium has can only be dropped there."""
+    outputs, run = data.get("outputs"), data.get("run")
+    dropped = outputs.get("drop") if isinstance(outputs, dict) else None
+    named = [name for name in STATICS if name in dropped] if isinstance(dropped, list) else []
+    if named and not (isinstance(run, dict) and run.get("initial") == "equilibrium"):
+        yield ("outputs", "drop"), f'{named[0]} exists only in scenes with [run] initial = "equilibrium"'
+
+
 def inputs_of(kind: str, horizontal_force: bool) -> tuple[str, ...]:
     """Names of the inputs of a scene by its terminal, in their fixed order; none for an unknown kind."""
     return {
         "load": ("u_m1", "F_cx", "F_cy"),
         "anchor-mass": ("u_m1",),
         "anchor-spring": ("u_m1",),
+        "pin": ("u_m1",),
         "floater": ("u_m1", "u_m2", "F_cx") if horizontal_force else ("u_m1", "u_m2"),
     }.get(kind, ())
 

@@ -257,6 +257,14 @@ def test_a_run_holds_forces_in_the_middle_of_a_step(tmp_path: Path) -> None:
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
 
 
+def test_a_twin_of_a_pinned_cable_stays_on_its_pin(tmp_path: Path) -> None:
+    text = SCENES["anchor-mass"].replace('"anchor-mass"\nmass = 1e4', '"pin"')
+    result = cablefmu.simulate(build_twin(Scene.from_text(text, name="pinned"), tmp_path / "x.fmu"), tolerance=1e-9)
+    assert np.ptp(result["y_m1"].values) > 0.1
+    assert np.max(np.abs(result["x_c"].values - 12.0)) < 1e-7  # m
+    assert np.max(np.abs(result["y_c"].values - 13.0)) < 1e-7
+
+
 def test_what_a_twin_cannot_do(tmp_path: Path, both: Unpacked) -> None:
     path = both("load")[1].with_suffix(".fmu")
     with pytest.raises(FmuError, match="the FMU offers no interface me"):

@@ -193,7 +193,9 @@ class Kernel:
             return None
         return change, dict(zip(table().outputs, output.tolist(), strict=True))
 
-    def linear(self, x: Floats, u: Floats, weights: Floats, force: Floats, end: Floats) -> tuple[int, Floats, Floats, Floats]:
+    def linear(
+        self, x: Floats, u: Floats, weights: Floats, force: Floats, end: Floats
+    ) -> tuple[int, Floats, Floats, Floats]:
         """Solve L change = force: how many pivots are negative, change, and L change and its end relation by a product."""
         change, back, found = np.empty_like(force), np.empty_like(force), end.copy()
         negative = self._library.probe_linear(self._handle, x, u, weights, force, found, change, back)

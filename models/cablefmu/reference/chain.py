@@ -69,11 +69,13 @@ class Chain:
     static_load: Number
     """What floater 1's buoyancy carries at y_m = 0 besides its own weight, upwards [N]"""
     end_mass: Number
-    """m_c, or M_2 of a second floater [kg]"""
+    """m_c, or M_2 of a second floater; 0 of a pin [kg]"""
     end_wet_mass: Number
     """m_c^w = m_c - rho_w V_c; 0 for the neutral anchor mass and for a second floater [kg]. [5.7] keeps
     m_c g in all cases (erratum): the second floater would sag by M_2 g / k_m2V = 49 m."""
     end_springs: EndSprings
+    pin: Array | None = None
+    """Where a pin holds P_n [m], shape (2,); None for every other terminal"""
 
     @property
     def n(self) -> int:
@@ -150,6 +152,7 @@ def chain_of(cable: Cable, number: Callable[[float], Number] = float) -> Chain:
             rest=array(cable.rest_position),
             preload=np.array([parameter("static_pull_2"), -parameter("static_load_2")]),
         ),
+        pin=array(cable.rest_position) if cable.terminal is Terminal.PIN else None,
     )
 
 

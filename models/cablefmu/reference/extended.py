@@ -14,6 +14,7 @@ import numpy as np
 
 from cablefmu.cable import Cable, Floats
 from cablefmu.reference.chain import Array, Chain, chain_of
+from cablefmu.reference.heavy_end import bordered
 from cablefmu.reference.kinematics import Motion, motion_of
 from cablefmu.reference.matrices import damping_matrix, inertia_matrix, stiffness_matrix
 from cablefmu.reference.model import generalised_forces
@@ -43,7 +44,7 @@ def extended_acceleration(
     """
     with mpmath.workdps(digits):
         chain, motion, forces = _exact(cable, q, v, inputs)
-        return _solve(chain, motion, forces, terminal_rule)
+        return _solve(chain, motion, forces, terminal_rule)[0]
 
 
 def long_double_acceleration(cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Array:
@@ -57,7 +58,7 @@ def long_double_acceleration(cable: Cable, q: Floats, v: Floats, inputs: Mapping
     motion = motion_of(q.astype(wide), v.astype(wide), np.sin, np.cos)
     chain = chain_of(cable, wide)
     forces = {name: wide(value) for name, value in inputs.items()}
-    return _eliminated(*_equation(chain, motion, forces, "virtual_work"))
+    return _eliminated(*_equation(chain, motion, forces, "virtual_work"))[: cable.n + 1]
 
 
 def extended_outputs(
@@ -66,8 +67,8 @@ def extended_outputs(
     """The outputs of `outputs.output_values` with `digits` decimal digits, as `mpmath.mpf`."""
     with mpmath.workdps(digits):
         chain, motion, forces = _exact(cable, q, v, inputs)
-        acceleration = _solve(chain, motion, forces, "virtual_work")
-        return output_values(chain, motion, acceleration, forces)
+        acceleration, pin_force = _solve(chain, motion, forces, "virtual_work")
+        return output_values(chain, motion, acceleration, forces, pin_force)
 
 
 def _exact(cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]) -> tuple[Chain, Motion, dict[str, Any]]:
@@ -77,22 +78,27 @@ def _exact(cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]) -> t
 
 
 def _equation(chain: Chain, motion: Motion, inputs: Mapping[str, Any], rule: TerminalRule) -> tuple[Array, Array]:
-    """I and T - (C x' + K x + F + G)."""
+    """I and T - (C x' + K x + F + G), with a pin inside its border."""
     q = np.concatenate([[motion.heave], motion.theta])
     v = np.concatenate([[motion.heave_rate], motion.omega])
     T = generalised_forces(chain, motion, inputs, rule)
     F, G = velocity_vector(chain, motion), gravity_vector(chain, motion)
-    return inertia_matrix(chain, motion), T - (damping_matrix(chain) @ v + stiffness_matrix(chain) @ q + F + G)
+    inertia = inertia_matrix(chain, motion)
+    right_side = T - (damping_matrix(chain) @ v + stiffness_matrix(chain) @ q + F + G)
+    return (inertia, right_side) if chain.pin is None else bordered(chain, motion, inertia, right_side)
 
 
-def _solve(chain: Chain, motion: Motion, inputs: Mapping[str, Any], rule: TerminalRule) -> Array:
-    inertia, right_side = _equation(chain, motion, inputs, rule)
-    found = mpmath.lu_solve(mpmath.matrix(inertia.tolist()), mpmath.matrix(right_side.tolist()))
-    return np.array(list(found), dtype=object)
+def _solve(chain: Chain, motion: Motion, inputs: Mapping[str, Any], rule: TerminalRule) -> tuple[Array, Array | None]:
+    """x'', and the force on a pin if there is one."""
+    matrix, right_side = _equation(chain, motion, inputs, rule)
+    solution = mpmath.lu_solve(mpmath.matrix(matrix.tolist()), mpmath.matrix(right_side.tolist()))
+    found = np.array(list(solution), dtype=object)
+    return found[: chain.n + 1], None if chain.pin is None else found[chain.n + 1 :]
 
 
 def _eliminated(matrix: Array, right_side: Array) -> Array:
-    """Gauss without pivoting, which a positive definite matrix does not need; LAPACK has no long double."""
+    """Gauss without pivoting, which neither a positive definite matrix needs nor a pin's border behind it, whose Schur
+    complement -J I^-1 J^T is negative definite; LAPACK has no long double."""
     A, b = np.column_stack([matrix, right_side]), np.empty_like(right_side)
     for k in range(len(b)):
         A[k + 1 :, k:] -= np.outer(A[k + 1 :, k] / A[k, k], A[k, k:])

@@ -16,7 +16,7 @@ from cablefmu.reference.drag import drag_vector
 from cablefmu.reference.heavy_end import is_heavy, solve_bordered
 from cablefmu.reference.kinematics import Motion, motion_of
 from cablefmu.reference.matrices import damping_matrix, inertia_matrix, stiffness_matrix
-from cablefmu.reference.outputs import output_values
+from cablefmu.reference.outputs import joint_forces, output_values
 from cablefmu.reference.terminal import TerminalRule, departure, terminal_force, terminal_vector
 from cablefmu.reference.vectors import gravity_vector, velocity_vector
 
@@ -50,7 +50,7 @@ class Reference:
         Appendix A's G_1. With a hanging load's default `static_load` the first is [5.6]'s G_1 = 0.
     heavy_end
         Whether to solve with the end's inertia outside the matrix (see `heavy_end`); None: if the end
-        outweighs the cable a thousand times.
+        outweighs the cable a thousand times. A pin is always outside.
 
     Raises
     ------
@@ -72,7 +72,7 @@ class Reference:
         self.terminal_rule: TerminalRule = terminal_rule
         chain = chain_of(cable)
         self.chain = chain if heave_rule == "static_load" else replace(chain, static_load=0.0)
-        self.heavy_end = is_heavy(chain) if heavy_end is None else heavy_end
+        self.heavy_end = chain.pin is not None or (is_heavy(chain) if heavy_end is None else heavy_end)
         self._inert = replace(self.chain, end_mass=0.0) if self.heavy_end else self.chain
         self._damping = damping_matrix(self.chain)
         self._stiffness = stiffness_matrix(self.chain)
@@ -104,6 +104,12 @@ class Reference:
         acceleration, end_inertia_force = self._solve(q, v, motion, inputs)
         return output_values(self.chain, motion, acceleration, inputs, end_inertia_force)
 
+    def joint_forces(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
+        """R_1 ... R_{n+1}, shape (n + 1, 2) [N]: see `outputs.joint_forces`. The last is the force on a pin."""
+        motion = self._motion(q, v, inputs)
+        acceleration, end_inertia_force = self._solve(q, v, motion, inputs)
+        return joint_forces(self.chain, motion, acceleration, inputs, end_inertia_force)
+
     def departure(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
         """T by the projected rule less T by virtual work, shape (n + 1,) [N, N m]."""
         motion = self._motion(q, v, inputs)
@@ -122,7 +128,7 @@ class Reference:
         return "\n".join(lines)
 
     def _solve(self, q: Floats, v: Floats, motion: Motion, inputs: Mapping[str, float]) -> tuple[Floats, Floats | None]:
-        """x'', and m_c P_n'' where it is an unknown of its own (see `heavy_end`)."""
+        """x'', and m_c P_n'' or a pin's force where it is an unknown of its own (see `heavy_end`)."""
         T = generalised_forces(self.chain, motion, inputs, self.terminal_rule)
         F, G = velocity_vector(self._inert, motion), gravity_vector(self.chain, motion)
         right_side = T - (self._damping @ v + self._stiffness @ q + F + G)

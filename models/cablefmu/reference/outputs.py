@@ -51,7 +51,10 @@ def joint_forces(
     Newton's law, from the tip up: R_{n+1} = m_c P_n'' - W_c - F_c and
     R_i = R_{i+1} + m_i c_i'' - W_i - f_i, with weights W along +y and drag f_i. Give m_c P_n'' as
     `end_inertia_force` where it is known better than as a product of 8e8 kg with a rounded acceleration.
+    A pin has neither mass nor weight; its multiplier stands there, and must be given.
     """
+    if chain.pin is not None and end_inertia_force is None:
+        raise ValueError("what pulls at a pin does not follow from the motion: end_inertia_force is needed")
     at_points = accelerations(chain, motion, acceleration)
     down = np.array([0, 1])
     inertia_force = chain.end_mass * at_points[-1] if end_inertia_force is None else end_inertia_force
