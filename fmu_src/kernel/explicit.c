@@ -1,8 +1,6 @@
 #include "dormand_prince.h"
 #include "method.h"
 
-#include <string.h>
-
 enum { STAGES = 7 };
 
 /* k_1 is the slope at the present point, the others are the stages' own. */
@@ -36,15 +34,14 @@ bool explicit_attempt(const System *system, SolverMemory *memory, const Vectors 
                       const double *x, double *error)
 {
     const double h = t_new - t;
-    double u[INPUT_COUNT], *slope[STAGES];
+    double *slope[STAGES];
     slopes_of(vectors, slope);
     for (int stage = 1; stage < STAGES; stage++) {
         const double c = DORMAND_PRINCE_54.c[stage];
         stage_point(system, stage, h, x, slope, vectors->trial);
         const double time = c == 1.0 ? t_new : t + c * h;
-        if (!slope_at(system, memory, time, vectors->trial, slope[stage], u)) return false;
+        if (!slope_at(system, memory, time, vectors->trial, slope[stage], memory->trial_u)) return false;
     }
-    memcpy(memory->slope_u, u, sizeof u);
     *error = scaled_error(system, h, memory->tolerance, x, vectors, slope);
     return true;
 }

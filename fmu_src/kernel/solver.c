@@ -159,8 +159,11 @@ static void move_on(const System *system, SolverMemory *memory, const Vectors *v
     memory->has_point = false;
     memory->has_slope = !memory->is_implicit; /* the last stage of an explicit step is the next one's first */
     memory->has_moved = memory->is_implicit;
-    if (memory->has_slope) memcpy(vectors->slope, vectors->stage[5], bytes);
-    if (memory->has_slope) energy_advance(system, memory, *t, x);
+    if (memory->has_slope) {
+        memcpy(vectors->slope, vectors->stage[5], bytes);
+        memcpy(memory->slope_u, memory->trial_u, sizeof memory->slope_u);
+        energy_advance(system, memory, *t, x);
+    }
     if (system->model->terminal == TERMINAL_PIN) pin_project(system->model, system->work, system->model->rest, x);
 }
 

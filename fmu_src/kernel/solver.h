@@ -70,7 +70,7 @@ typedef struct {
     bool has_slope;      /* the block holds f(t, x) of the present point for the inputs slope_u */
     bool has_moved;      /* the present point was reached by a step, and nothing was evaluated there yet */
     bool has_point;      /* the linearised chain is that of the present point */
-    double slope_u[INPUT_COUNT];
+    double slope_u[INPUT_COUNT], trial_u[INPUT_COUNT]; /* the latter of an explicit step's end */
     bool is_inside;               /* the present point is inside a step that was made already [dense.c] */
     bool rested;                  /* the inputs did not change from the last call to this one */
     double dense_from, dense_to;  /* that step [s] */
