@@ -10,6 +10,7 @@ import pytest
 from cablefmu.cable import Cable, Drag, Terminal
 from cablefmu.errors import SceneError
 from cablefmu.scene import Scene, load_scene
+from cablefmu.shapes import end_point
 
 # By hand, for the common cable: pi (0.01 m)^2 240 m = 0.0753982 m^3, times 7850 kg/m^3
 CABLE_MASS = 591.876
@@ -184,7 +185,7 @@ END = (2.0 * math.sin(0.1) + 4.0 * math.sin(0.2), 2.0 * math.cos(0.1) + 4.0 * ma
 
 @pytest.mark.parametrize("off", [0.0, 0.0059, 0.0061])
 def test_a_start_shape_may_miss_its_pin_by_the_rounding_of_its_angles(off: float) -> None:
-    """By a thousandth of the cable's 6 m; what the pin's place is, the cable says, and has no parameter for it."""
+    """By a thousandth of the cable's 6 m, and then turns a little to meet it; its place is no parameter."""
     position = (END[0], END[1] + off)
     change = ('kind = "load"\nmass = 60', PIN.format(*position))
     if off > 0.006:
@@ -193,6 +194,8 @@ def test_a_start_shape_may_miss_its_pin_by_the_rounding_of_its_angles(off: float
         return
     cable = small(change)
     assert (cable.terminal, cable.rest_position, cable.inputs) == (Terminal.PIN, position, ("u_m1",))
+    assert end_point(cable.links.length, cable.position[1:]) == pytest.approx(position, rel=0, abs=1e-14)
+    assert cable.position[1:] == pytest.approx([0.1, 0.2], rel=0, abs=0.02)
     assert set(cable.parameters) == {"g", "M_1", "k_m1", "c_m1", "static_load", "c_joint"}
 
 

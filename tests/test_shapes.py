@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from cablefmu.shapes import Catenary, NoCatenaryError, catenary, end_point, straight
+from cablefmu.shapes import Catenary, NoCatenaryError, catenary, end_point, ending_at, straight
 
 # Weight per metre of the common cable in water: pi (0.01 m)^2 (7850 - 1000) kg/m^3 9.81 m/s^2.
 PER_METRE = math.pi * 1e-4 * 6850.0 * 9.81
@@ -110,6 +110,17 @@ def test_ports_that_the_cable_cannot_join_are_refused(end: tuple[float, float], 
 def test_a_cable_without_weight_has_no_rest_shape() -> None:
     with pytest.raises(NoCatenaryError, match="without weight"):
         catenary(np.ones(5), np.zeros(5), (3.0, 0.0))
+
+
+def test_rounded_angles_are_brought_to_the_port() -> None:
+    """Angles of three decimals miss it by centimetres; the nearest ones that do not differ by as little."""
+    lengths = np.full(30, 8.0)
+    exact = catenary(lengths, np.full(30, 100.0), (120.0, 200.0)).angles
+    rounded = np.round(exact, 3)
+    found = ending_at(lengths, rounded, (120.0, 200.0))
+    assert np.hypot(*np.subtract(end_point(lengths, rounded), (120.0, 200.0))) > 1e-3
+    assert end_point(lengths, found) == pytest.approx((120.0, 200.0), rel=0, abs=1e-12)  # ulps of 240 m
+    assert np.linalg.norm(found - rounded) <= np.linalg.norm(exact - rounded)
 
 
 def test_straight_is_straight() -> None:

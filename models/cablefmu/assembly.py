@@ -15,7 +15,7 @@ import numpy as np
 from cablefmu import scene_schema as schema
 from cablefmu.cable import Cable, Drag, Floats, Initial, Links, SolverChoice, Terminal
 from cablefmu.scene_mistakes import Mistake, MistakeFoundError
-from cablefmu.shapes import Catenary, NoCatenaryError, catenary, end_point, straight
+from cablefmu.shapes import Catenary, NoCatenaryError, catenary, end_point, ending_at, straight
 from cablefmu.signals import Signal
 
 __all__ = ["assemble"]
@@ -52,6 +52,8 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
     rest = _rest(spec, links.length, weights)
     angles = _angles(spec, rest)
     _check_end(spec, links.length, angles)
+    if isinstance(spec.terminal, schema.PinTable):
+        angles = ending_at(links.length, angles, spec.terminal.position)
     static_load = spec.top.static_load
     if static_load is None:
         static_load = rest.vertical if rest is not None else float(np.sum(weights)) + terminal_weight

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cablefmu.cable import Floats
 
-__all__ = ["Catenary", "NoCatenaryError", "catenary", "end_point", "straight"]
+__all__ = ["Catenary", "NoCatenaryError", "catenary", "end_point", "ending_at", "straight"]
 
 END_TOLERANCE = 1e-9
 """How close P_n must come to the port [m]."""
@@ -57,6 +57,21 @@ def straight(n: int, angle: float) -> Floats:
 def end_point(lengths: Floats, angles: Floats) -> tuple[float, float]:
     """Terminal point (x, y) of a chain from the origin [m]."""
     return float(np.sum(lengths * np.sin(angles))), float(np.sum(lengths * np.cos(angles)))
+
+
+def ending_at(lengths: Floats, angles: Floats, end: tuple[float, float]) -> Floats:
+    """The angles next to `angles` (smallest sum of squares) of a chain that ends at `end`, if that is near.
+
+    Newton's method on the two equations; rounded angles become ones that meet the port to the last digits.
+    """
+    for _ in range(_MAX_STEPS):
+        x, y = end_point(lengths, angles)
+        miss = np.array([end[0] - x, end[1] - y])
+        if np.hypot(*miss) <= 1e-15 * np.sum(lengths):
+            break
+        across = lengths * np.array([np.cos(angles), -np.sin(angles)])  # d(x, y)/d(angle)
+        angles = angles + np.linalg.lstsq(across, miss, rcond=1e-9)[0]
+    return angles
 
 
 def catenary(lengths: Floats, weights: Floats, end: tuple[float, float]) -> Catenary:
