@@ -195,7 +195,7 @@ def test_a_start_shape_may_miss_its_pin_by_the_rounding_of_its_angles(off: float
     cable = small(change)
     assert (cable.terminal, cable.rest_position, cable.inputs) == (Terminal.PIN, position, ("u_m1",))
     assert end_point(cable.links.length, cable.position[1:]) == pytest.approx(position, rel=0, abs=1e-14)
-    assert cable.position[1:] == pytest.approx([0.1, 0.2], rel=0, abs=0.02)
+    assert cable.position[1:] == pytest.approx([0.1, 0.2], rel=0, abs=0.1)  # nearly taut
     assert set(cable.parameters) == {"g", "M_1", "k_m1", "c_m1", "static_load", "c_joint"}
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from cablefmu import scene_schema as schema
 from cablefmu.cable import Cable, Drag, Floats, Initial, Links, SolverChoice, Terminal
 from cablefmu.scene_mistakes import Mistake, MistakeFoundError
-from cablefmu.shapes import Catenary, NoCatenaryError, catenary, end_point, ending_at, straight
+from cablefmu.shapes import END_TOLERANCE, Catenary, NoCatenaryError, catenary, end_point, ending_at, straight
 from cablefmu.signals import Signal
 
 __all__ = ["assemble"]
@@ -51,9 +51,7 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
     terminal_weight = _terminal_mass(spec) * spec.gravity
     rest = _rest(spec, links.length, weights)
     angles = _angles(spec, rest)
-    _check_end(spec, links.length, angles)
-    if isinstance(spec.terminal, schema.PinTable):
-        angles = ending_at(links.length, angles, spec.terminal.position)
+    angles = _at_anchor(spec, links.length, angles)
     static_load = spec.top.static_load
     if static_load is None:
         static_load = rest.vertical if rest is not None else float(np.sum(weights)) + terminal_weight
@@ -165,16 +163,30 @@ def _angles(spec: schema.Spec, rest: Catenary | None) -> Floats:
     return straight(spec.cable.links, shape.angle if isinstance(shape, schema.StraightShape) else 0.0)
 
 
-def _check_end(spec: schema.Spec, length: Floats, angles: Floats) -> None:
-    """What does not move stands where it stands: a shape that ends elsewhere would move it."""
+def _at_anchor(spec: schema.Spec, length: Floats, angles: Floats) -> Floats:
+    """What does not move stands where it stands: a shape that ends elsewhere would move it; rounding is mended."""
     if not isinstance(spec.terminal, _UNMOVED):
-        return
-    x, y = end_point(length, angles)
+        return angles
     position = spec.terminal.position
-    if np.hypot(x - position[0], y - position[1]) > END_SLACK * np.sum(length):
-        what = "pin" if isinstance(spec.terminal, schema.PinTable) else "anchor"
+    is_pin = isinstance(spec.terminal, schema.PinTable)
+    total = float(np.sum(length))
+    if _miss(length, angles, position) > END_SLACK * total:
+        x, y = end_point(length, angles)
+        what = "pin" if is_pin else "anchor"
         text = f'the start shape ends at ({x:.6g}, {y:.6g}) m, not at the {what}; use kind = "catenary"'
         raise MistakeFoundError(Mistake("terminal.position", text, list(position)))
+    if not is_pin:
+        return angles
+    angles = ending_at(length, angles, position)
+    if _miss(length, angles, position) > END_TOLERANCE * total:
+        text = 'links near the start shape do not reach the pin; use kind = "catenary"'
+        raise MistakeFoundError(Mistake("terminal.position", text, list(position)))
+    return angles
+
+
+def _miss(length: Floats, angles: Floats, position: tuple[float, float]) -> float:
+    """How far the chain ends from a place [m]."""
+    return float(np.hypot(*np.subtract(end_point(length, angles), position)))
 
 
 # ----------------------------------------------------------------------------------------------- parameters

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cablefmu.cable import Floats
 
-__all__ = ["Catenary", "NoCatenaryError", "catenary", "end_point", "ending_at", "straight"]
+__all__ = ["END_TOLERANCE", "Catenary", "NoCatenaryError", "catenary", "end_point", "ending_at", "straight"]
 
 END_TOLERANCE = 1e-9
 """How close P_n must come to the port [m]."""

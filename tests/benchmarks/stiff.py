@@ -1,7 +1,7 @@
 """Stiff cables: the implicit method beside the explicit one, scipy's Radau, CVODE, and other Rosenbrock methods.
 
-All solve the same right-hand side, the kernel's. The cases are of one cable of 240 m, submerged, Cd = 1.2, with 60 kg at its
-end: so stiff in bending that explicit steps are a tenth of a millisecond, or of 1,000 links.
+All solve the same right-hand side, the kernel's. The cases are of one cable of 240 m, submerged, Cd = 1.2, with 60 kg
+at its end: so stiff in bending that explicit steps are a tenth of a millisecond, or of 1,000 links.
 """
 
 from __future__ import annotations

@@ -196,7 +196,7 @@ class Kernel:
     def linear(
         self, x: Floats, u: Floats, weights: Floats, force: Floats, end: Floats
     ) -> tuple[int, Floats, Floats, Floats]:
-        """Solve L change = force: how many pivots are negative, change, and L change and its end relation by a product."""
+        """Solve L change = force: negative pivots, change, and by a product L change and its end relation."""
         change, back, found = np.empty_like(force), np.empty_like(force), end.copy()
         negative = self._library.probe_linear(self._handle, x, u, weights, force, found, change, back)
         return negative, change, back, found
