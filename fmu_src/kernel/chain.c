@@ -46,9 +46,11 @@ static inline int first_tip(const Model *model)
     return model->n - 1 - is_odd(model);
 }
 
-static inline int partner_of(const Model *model, int link)
+/* Loops are inlined twice, with a constant for `alone`: what the two ways have in common is written once, and neither
+ * pays for the other. */
+static inline int partner_of(int first, bool alone, int link)
 {
-    return from_top_alone(model) ? link : first_tip(model) - link;
+    return alone ? link : first - link;
 }
 
 /*
@@ -111,7 +113,7 @@ static void drive_links(const Model *model, const double *x, Work *work, int fro
     }
 }
 
-static inline Inertia inertia_past(const Model *model, Work *work, Strip strip, Inertia a, int top, int tip)
+static inline Inertia inertia_past(const Model *model, Work *work, Strip strip, bool alone, Inertia a, int top, int tip)
 {
     const int top_at = top_place(strip, top), tip_at = tip_place(strip, tip);
     put(work->nn, top_at, tip_at, a.nn);
@@ -121,7 +123,6 @@ static inline Inertia inertia_past(const Model *model, Work *work, Strip strip, 
     put(work->det, top_at, tip_at, a.det);
     const LinkInertia link = {at(model->link[LINK_MASS], top, tip), at(model->reach, top, tip),
                               at(model->swing, top, tip), at(model->skew, top, tip)};
-    const bool alone = from_top_alone(model);
     const Lanes cosine = at(work->turn_cosine, top + 1, alone ? top + 1 : tip);
     const Lanes sine = {work->turn_sine[top + 1], alone ? work->turn_sine[top + 1] : -work->turn_sine[tip]};
     return turned(past_link(a, link), cosine, sine);
@@ -135,15 +136,22 @@ static Inertia with_top_of(Inertia a, Inertia before)
     return a;
 }
 
-/* Passes a strip of links, keeping the inertia at every link's outer end, in the link's axes. */
-static Inertia inertia_inwards(const Model *model, Work *work, Strip strip, Inertia a)
+static inline Inertia pass_strip(const Model *model, Work *work, Strip strip, bool alone, Inertia a)
 {
-    if (top_waits(model, strip)) a = with_top_of(inertia_past(model, work, strip, a, 0, model->n - 1), a);
+    const int first = first_tip(model);
     for (int i = strip.from; i < strip.to; i++) {
-        a = inertia_past(model, work, strip, a, i, partner_of(model, i));
+        a = inertia_past(model, work, strip, alone, a, i, partner_of(first, alone, i));
         if (i % 8 == 7) a = rescaled(a);
     }
     return a;
+}
+
+/* Passes a strip of links, keeping the inertia at every link's outer end, in the link's axes. */
+static Inertia inertia_inwards(const Model *model, Work *work, Strip strip, Inertia a)
+{
+    if (from_top_alone(model)) return pass_strip(model, work, strip, true, a);
+    if (top_waits(model, strip)) a = with_top_of(inertia_past(model, work, strip, false, a, 0, model->n - 1), a);
+    return pass_strip(model, work, strip, false, a);
 }
 
 /* At the middle the top stands in the axes of the link below it, the tip in those of the one above: both in the first. */
@@ -230,7 +238,11 @@ static Planar bias_inwards(const Model *model, Work *work, Strip strip, Planar z
         const Planar next = bias_past(work, strip, z, 0, model->n - 1);
         z.x[FROM_TIP] = next.x[FROM_TIP], z.y[FROM_TIP] = next.y[FROM_TIP];
     }
-    for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, partner_of(model, i));
+    const int first = first_tip(model);
+    if (from_top_alone(model))
+        for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, i);
+    else
+        for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, first - i);
     return z;
 }
 
@@ -272,16 +284,23 @@ static void answers_from_tip(const Model *model, Work *work, Strip strip)
     }
 }
 
-/* y <- M^T y + constant from the middle: R above, b below. answer[i + 1] is at link i's inner end, answer[0] is R_0. */
-static void answers_outwards(const Model *model, Work *work, Planar y)
+static inline Planar pass_outwards(const Model *model, Work *work, bool alone, Planar y)
 {
+    const int first = first_tip(model);
     for (int i = model->middle - 1; i >= 0; i--) {
-        const int tip = partner_of(model, i);
+        const int tip = partner_of(first, alone, i);
         put(work->answer_x, i + 1, tip + 1, y.x);
         put(work->answer_y, i + 1, tip + 1, y.y);
         y = (Planar){at(work->m_xx, i, tip) * y.x + (at(work->m_yx, i, tip) * y.y + at(work->constant_x, i, tip)),
                      at(work->m_xy, i, tip) * y.x + (at(work->m_yy, i, tip) * y.y + at(work->constant_y, i, tip))};
     }
+    return y;
+}
+
+/* y <- M^T y + constant from the middle: R above, b below. answer[i + 1] is at link i's inner end, answer[0] is R_0. */
+static void answers_outwards(const Model *model, Work *work, Planar y)
+{
+    y = from_top_alone(model) ? pass_outwards(model, work, true, y) : pass_outwards(model, work, false, y);
     const int last = is_odd(model) ? model->n : 0; /* the tip's last link, if it is one ahead */
     put(work->answer_x, 0, last, (Lanes){y.x[FROM_TOP], last ? y.x[FROM_TIP] : y.x[FROM_TOP]});
     put(work->answer_y, 0, last, (Lanes){y.y[FROM_TOP], last ? y.y[FROM_TIP] : y.y[FROM_TOP]});
