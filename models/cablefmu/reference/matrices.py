@@ -26,7 +26,7 @@ def inertia_matrix(chain: Chain, motion: Motion) -> Array:
     link j - 1; the off-diagonal uses m_i where m_{j-1} is meant; the diagonal uses I_Ri for
     i = 2 ... n + 1 where I_R(i-1) is meant.
     """
-    inertia = np.empty((chain.n + 1, chain.n + 1), dtype=chain.length.dtype)
+    inertia = np.empty((chain.n + 1, chain.n + 1), dtype=np.result_type(chain.length, motion.sin))
     inertia[0, 0] = chain.floater_mass + chain.mass.sum() + chain.end_mass
     inertia[0, 1:] = inertia[1:, 0] = -chain.carried_mass * chain.length * motion.sin
     # cos(th_i - th_j) from products: n sines instead of n^2

@@ -83,7 +83,8 @@ class Reference:
         Parameters
         ----------
         q, v
-            (y_m, theta) and its rate, shape (n + 1,) [m, rad; m/s, rad/s].
+            (y_m, theta) and its rate, shape (n + 1,) [m, rad; m/s, rad/s]. Complex numbers pass through, here and in
+            `outputs`: Im f(x + i h d)/h with h = 1e-30 is the derivative along d to the last digit.
         inputs
             Force inputs by name [N]; 0 where one is not named.
 
@@ -135,6 +136,8 @@ class Reference:
         inertia = inertia_matrix(self._inert, motion)
         if self.heavy_end:
             return solve_bordered(self.chain, motion, inertia, right_side)
+        if np.iscomplexobj(right_side):  # a complex step leaves I symmetric, which is not Hermitian
+            return np.linalg.solve(inertia, right_side), None
         factor = scipy.linalg.cho_factor(inertia, overwrite_a=True, check_finite=False)
         return scipy.linalg.cho_solve(factor, right_side, check_finite=False), None
 
