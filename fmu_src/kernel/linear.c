@@ -84,7 +84,7 @@ void linear_pin(Linear *linear)
 /* Of a mass, where it is a heavy one. */
 static void hold(const Model *model, Linear *linear)
 {
-    linear->is_held = model->middle == model->n;
+    linear->is_held = model->end_is_heavy;
     if (!linear->is_held) return;
     if (model->terminal == TERMINAL_PIN) {
         linear_pin(linear);
@@ -323,7 +323,8 @@ static int make_border(const Model *model, Linear *linear)
     end_of_change(model, linear, linear->unit_y, at_y);
     const double xx = at_x[0] - per_mass, yy = at_y[1] - per_mass, xy = at_y[0], yx = at_x[1];
     const double det = xx * yy - xy * yx;
-    if (!(fabs(det) > 1e-28 * (fabs(xx * yy) + fabs(xy * yx)))) return -1;
+    const double size = fabs(xx) + fabs(yy) + fabs(xy) + fabs(yx);
+    if (!(fabs(det) > 1e-28 * size * size)) return -1; /* links in line within 1e-14 rad of where they cannot give */
     linear->border[0] = yy / det, linear->border[1] = -xy / det;
     linear->border[2] = -yx / det, linear->border[3] = xx / det;
     return det < 0.0 ? 1 : xx < 0.0 ? 2 : 0;

@@ -123,12 +123,13 @@ static void prepare_terminal(Model *model)
 
 /* From both ends, but where the terminal is a pin or next to one: from 1e7 times the cable's mass on. The elimination
  * from a lighter end keeps eight digits whatever the shape [docs/numerics.md] and takes half the time. */
-static int links_from_top(const Model *model)
+static void prepare_elimination(Model *model)
 {
     double mass = 0.0;
     for (int i = 0; i < model->n; i++) mass += model->link[LINK_MASS][i];
-    const bool held = model->terminal == TERMINAL_PIN || model->end_mass > 1e7 * mass;
-    return held ? model->n : model->n / 2;
+    const bool is_pin = model->terminal == TERMINAL_PIN;
+    model->end_is_heavy = is_pin || model->end_mass > 1e2 * mass;
+    model->middle = is_pin || model->end_mass > 1e7 * mass ? model->n : model->n / 2;
 }
 
 void model_prepare(Model *model)
@@ -136,6 +137,6 @@ void model_prepare(Model *model)
     prepare_links(model);
     prepare_inertia(model);
     prepare_terminal(model);
-    model->middle = links_from_top(model);
+    prepare_elimination(model);
     model->variant = processor_has_avx2() ? &AVX2 : &PORTABLE;
 }

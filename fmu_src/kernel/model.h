@@ -86,6 +86,7 @@ typedef struct Model {
     const double *link[LINK_COLUMNS]; /* as given */
 
     bool has_stiffness, has_damping, has_drag, has_spring;
+    bool end_is_heavy;           /* or a pin: more than 100 times the cable's mass, an unknown by itself [linear.c] */
     int middle;                  /* links that are eliminated from the top; n: all of them [chain.c] */
     const Variant *variant;      /* what the processor can do */
     double *stiffness, *damping; /* k_i, c_i [N m/rad], [N m s/rad] */
