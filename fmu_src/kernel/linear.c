@@ -1,6 +1,7 @@
 #include "linear.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /*
  * Nodes, links and forces as in chain.c. With d the unknown of a link, its angle changes by w_q d, its rate by w_v d and
@@ -350,9 +351,10 @@ int linear_factor(const Model *model, Weights weights, Linear *linear)
     linear->top_per_pivot = 1.0 / pivot;
     negative += pivot < 0.0;
     if (!linear->is_held) return negative;
-    /* A constraint of two rows has two negative eigenvalues of its own in the bordered matrix. */
+    /* A constraint of two rows has two negative eigenvalues of its own in the bordered matrix; of one that is not
+     * symmetric it may have fewer. */
     const int of_border = make_border(model, linear);
-    return of_border < 0 ? -1 : negative + of_border - 2;
+    return of_border < 0 ? -1 : abs(negative + of_border - 2);
 }
 
 void linear_solve(const Model *model, Linear *linear, const double *force, const double end[2], double *change)

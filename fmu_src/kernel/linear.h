@@ -65,8 +65,9 @@ void linear_rest(const Model *model, const Work *work, const double *force_x, co
 void linear_pin(Linear *linear);
 
 /*
- * The factors of L at that state. Returns how many pivots are negative: none where L is positive definite
- * (L is symmetric for (1, 0, 0) and (0, 0, 1)), -1 where a pivot vanishes and there are no factors.
+ * The factors of L at that state, or -1 where a pivot vanishes and there are none. Returns how many pivots are negative,
+ * at a held end less the two that it brings: as many as L has negative eigenvalues where it is symmetric, that is for
+ * (0, 0, 1), and for (1, 0, 0) in a state of rest; elsewhere odd or even as the sign of L's determinant tells.
  */
 int linear_factor(const Model *model, Weights weights, Linear *linear);
 

@@ -26,6 +26,7 @@ __all__ = [
     "PROBE",
     "Kernel",
     "Run",
+    "Solved",
     "Status",
     "Wave",
     "compile_kernel",
@@ -49,7 +50,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_repeat_core": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_outputs": (None, _POINTER, _ARRAY, _POINTER, _ARRAY),
     "probe_directional": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    "probe_linear": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    "probe_linear": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_repeat_linear": (None, _POINTER, _INT, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "probe_restart": (None, _POINTER, _DOUBLE, _INT),
@@ -125,6 +126,22 @@ class Run:
     """steps, rejected, rhs, ... without "solver." in front"""
 
 
+@dataclass(frozen=True)
+class Solved:
+    """A solution with the linearised chain, and a product with it that uses no factors."""
+
+    negative: int
+    """How many pivots are negative"""
+    change: Floats
+    """shape (n + 1,)"""
+    back: Floats
+    """L change but for the force through a held end, shape (n + 1,) [N, N m]"""
+    end: Floats
+    """The relation at a held end likewise, shape (2,) [m/s^2]"""
+    through: Floats
+    """The force through a held end, shape (2,) [N]; zeros at others"""
+
+
 class Kernel:
     """One cable in the C kernel, with the methods of `cablefmu.reference.Reference` and a solver."""
 
@@ -193,13 +210,11 @@ class Kernel:
             return None
         return change, dict(zip(table().outputs, output.tolist(), strict=True))
 
-    def linear(
-        self, x: Floats, u: Floats, weights: Floats, force: Floats, end: Floats
-    ) -> tuple[int, Floats, Floats, Floats]:
-        """Solve L change = force: negative pivots, change, and by a product L change and its end relation."""
-        change, back, found = np.empty_like(force), np.empty_like(force), end.copy()
-        negative = self._library.probe_linear(self._handle, x, u, weights, force, found, change, back)
-        return negative, change, back, found
+    def linear(self, x: Floats, u: Floats, weights: Floats, force: Floats, end: Floats) -> Solved | None:
+        """Solve L change = force, the relation at a held end being off by `end`; None where there are no factors."""
+        change, back, found, through = np.empty_like(force), np.empty_like(force), end.copy(), np.empty(2)
+        negative = self._library.probe_linear(self._handle, x, u, weights, force, found, change, back, through)
+        return Solved(negative, change, back, found, through) if negative >= 0 else None
 
     def repeat_linear(self, what: int, weights: Floats, force: Floats, times: int) -> None:
         """That many factorisations (1), solutions (2) or products (3) about the last point, to be timed."""

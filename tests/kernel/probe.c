@@ -188,9 +188,10 @@ int probe_directional(Probe *probe, const double *x, const double *u, const doub
 }
 
 /* At (x, u): L change = force with the given weights; how many pivots are negative. back: L change once more, by
- * linear_apply(), which has no factors; end[0 ... 1]: what the relation of a held end is to be, then what it is. */
+ * linear_apply(), which has no factors; end[0 ... 1]: what the relation of a held end is to be, then what it is but for
+ * the force through that end, through[0 ... 1]. */
 int probe_linear(Probe *probe, const double *x, const double *u, const double *weights, const double *force,
-                 double *end, double *change, double *back)
+                 double *end, double *change, double *back, double *through)
 {
     const int half = probe->model.n + 1;
     double *derivative = probe->stages, *dq = derivative + 2 * half, *dv = dq + half, *da = dv + half;
@@ -200,6 +201,7 @@ int probe_linear(Probe *probe, const double *x, const double *u, const double *w
     const int negative = linear_factor(&probe->model, (Weights){weights[0], weights[1], weights[2]}, linear);
     if (negative < 0) return negative;
     linear_solve(&probe->model, linear, force, end, change);
+    for (int k = 0; k < 2; k++) through[k] = linear->is_held ? linear->through[k] : 0.0;
     for (int k = 0; k < half; k++) {
         dq[k] = weights[0] * change[k], dv[k] = weights[1] * change[k], da[k] = weights[2] * change[k];
     }
