@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cablefmu.cable import Cable, Floats
+from cablefmu.cable import Cable, Drag, Floats, Terminal
 from cablefmu.reference import Reference
+from cablefmu.shapes import end_point
 from tests.kernel.library import Kernel
 from tests.random_cables import KINDS, random_cable, random_inputs, random_state
 
-__all__ = ["Case", "case", "heavy_case"]
+__all__ = ["Case", "aligned_case", "case", "heavy_case"]
 
 
 @dataclass(frozen=True)
@@ -39,5 +40,20 @@ def case(library: ctypes.CDLL, n: int, kind: int, *, draw: int = 0, **parameters
 
 def heavy_case(library: ctypes.CDLL, mass: float, draw: int) -> Case:
     """Twelve submerged links on a neutrally buoyant anchor of `mass` [kg]."""
-    kind = next(k for k, (terminal, water, _) in enumerate(KINDS) if terminal == "anchor-mass" and water)
-    return case(library, 12, kind, draw=draw, m_c=mass)
+    return case(library, 12, _submerged(Terminal.ANCHOR_MASS), draw=draw, m_c=mass)
+
+
+def aligned_case(library: ctypes.CDLL, n: int, end: float | None, bend: float, *, draw: int = 0) -> Case:
+    """Submerged links within `bend` [rad] of a line, behind a neutrally buoyant mass [kg] or (None) on a pin at P_n."""
+    if end is None:
+        c = case(library, n, _submerged(Terminal.PIN), draw=draw)
+    else:
+        c = case(library, n, _submerged(Terminal.ANCHOR_MASS), draw=draw, m_c=end)
+    q = np.concatenate([c.q[:1], 0.7 + bend * np.random.default_rng(draw).uniform(-1.0, 1.0, n)])
+    x, y = end_point(c.cable.links.length, q[1:])
+    cable = replace(c.cable, rest_position=(x, y + float(q[0]))) if end is None else c.cable
+    return replace(c, cable=cable, q=q, kernel=Kernel(library, cable), reference=Reference(cable))
+
+
+def _submerged(terminal: Terminal) -> int:
+    return KINDS.index((terminal, True, Drag.COEFFICIENT))

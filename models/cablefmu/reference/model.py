@@ -137,7 +137,8 @@ class Reference:
         if self.heavy_end:
             return solve_bordered(self.chain, motion, inertia, right_side)
         if np.iscomplexobj(right_side):  # a complex step leaves I symmetric, which is not Hermitian
-            return np.linalg.solve(inertia, right_side), None
+            acceleration: Array = np.linalg.solve(inertia, right_side)
+            return acceleration, None
         factor = scipy.linalg.cho_factor(inertia, overwrite_a=True, check_finite=False)
         return scipy.linalg.cho_solve(factor, right_side, check_finite=False), None
 
