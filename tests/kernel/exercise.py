@@ -12,18 +12,22 @@ from pathlib import Path
 import numpy as np
 
 from tests.kernel.cases import case
-from tests.kernel.library import load
+from tests.kernel.library import inputs_of, load
 from tests.random_cables import KINDS
 
 
 def exercise(path: Path) -> None:
-    """Derivatives, outputs and short runs of random cables of every kind; sines beyond their range."""
+    """Derivatives, outputs, linear algebra and short runs of random cables of every kind; sines beyond their range."""
     library = load(path)
     for n in (1, 2, 3, 12, 60):
         for kind in range(len(KINDS)):
             c = case(library, n, kind)
             c.kernel.outputs(c.q, c.v, c.inputs)
             c.kernel.outputs_without_tensions(c.q, c.v)
+            x, u = np.concatenate([c.q, c.v]), inputs_of(c.inputs)
+            c.kernel.directional(x, u, np.ones_like(x), np.ones_like(u))
+            for weights in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (1.0, 30.0, 900.0)):
+                c.kernel.linear(x, u, np.array(weights), np.ones(n + 1), np.ones(2))
             c.kernel.start(0.0, c.q, c.v, tolerance=1e-4)
             c.kernel.advance(0.1, {name: (force, force, 3.0) for name, force in c.inputs.items()})
     c = case(library, 3, 0)
