@@ -10,6 +10,29 @@ static const struct {
 #include "../kernel/variables.def"
 };
 
+#define OUTPUT(name, unit, nominal, description) #name,
+static const char *const OUTPUT_NAME[] = {
+#include "../kernel/variables.def"
+};
+
+#define SOLVER(name, unit, description) "solver." #name,
+static const char *const SOLVER_NAME[] = {
+#include "../kernel/variables.def"
+};
+
+#define STATICS(name, unit, description) "statics." #name,
+static const char *const STATICS_NAME[] = {
+#include "../kernel/variables.def"
+};
+
+enum { FIRST_CHOICE = 1 }; /* hosts count the items of an enumeration from 1 */
+
+static const char NOT_A_NUMBER[] = "it is an enumeration, read and set as an integer (fmi2GetInteger and "
+                                   "fmi2SetInteger, fmi3GetInt64 and fmi3SetInt64)";
+static const char NOT_A_CHOICE[] =
+    "it is a real number, read and set as such (fmi2GetReal and fmi2SetReal, fmi3GetFloat64 and fmi3SetFloat64)";
+static const char TOO_LATE[] = "parameters and start values are fixed once initialization has ended";
+
 static const Variable *lookup(Instance *instance, uint32_t reference)
 {
     if (reference < instance->resource.variables) return &instance->resource.variable[reference];
@@ -28,13 +51,65 @@ static bool is_tension(uint32_t output)
     return output == Y_tension_top || output == Y_tension_end || output == Y_tension_max;
 }
 
+static void text_variable(Text *text, const Instance *instance, const Variable *variable)
+{
+    const uint32_t index = variable->index;
+    switch ((VariableKind)variable->kind) {
+    case VARIABLE_PARAMETER: text_add(text, PARAMETER_INFO[index].name); break;
+    case VARIABLE_INPUT: text_add(text, INPUT_NAME[index]); break;
+    case VARIABLE_OUTPUT: text_add(text, OUTPUT_NAME[index]); break;
+    case VARIABLE_SOLVER: text_add(text, SOLVER_NAME[index]); break;
+    case VARIABLE_STATICS: text_add(text, STATICS_NAME[index]); break;
+    case VARIABLE_SOLVER_CHOICE: text_add(text, "solver"); break;
+    case VARIABLE_STATE: text_state(text, instance, index); break;
+    case VARIABLE_DERIVATIVE:
+        text_add(text, "der(");
+        text_state(text, instance, index);
+        text_add(text, ")");
+        break;
+    default: text_add(text, "time");
+    }
+}
+
+/* "NAME = VALUE at t = TIME s: what is expected"; without a value where none was given. */
+static Status refuse(Instance *instance, const Variable *variable, const Text *value, const char *expected)
+{
+    Text text;
+    text_start(&text);
+    text_variable(&text, instance, variable);
+    if (value) {
+        text_add(&text, " = ");
+        text_add(&text, value->line);
+    }
+    text_at_time(&text, instance->time);
+    text_add(&text, ": ");
+    text_add(&text, expected);
+    return instance_fail(instance, &text);
+}
+
+static Status refuse_value(Instance *instance, const Variable *variable, double value, const char *expected)
+{
+    Text number;
+    text_start(&number);
+    text_number(&number, value);
+    return refuse(instance, variable, &number, expected);
+}
+
 static bool get_one(Instance *instance, const Variable *variable, double *value)
 {
     switch (variable->kind) {
     case VARIABLE_TIME: *value = instance->time; return true;
     case VARIABLE_PARAMETER: *value = instance->model.parameter[variable->index]; return true;
     case VARIABLE_INPUT: *value = instance->u[variable->index]; return true;
-    case VARIABLE_STATE: *value = instance->x[variable->index]; return true;
+    case VARIABLE_STATE:
+        if (!refresh_start(instance)) return false;
+        *value = instance->x[variable->index];
+        return true;
+    case VARIABLE_STATICS:
+        if (!refresh_start(instance)) return false;
+        *value = instance->statics[variable->index];
+        return true;
+    case VARIABLE_SOLVER_CHOICE: return refuse(instance, variable, NULL, NOT_A_NUMBER) == STATUS_OK;
     case VARIABLE_SOLVER: *value = instance->solver.counter[variable->index]; return true;
     case VARIABLE_DERIVATIVE:
         if (!refresh_derivatives(instance)) return false;
@@ -56,39 +131,15 @@ Status instance_get(Instance *instance, const uint32_t *references, size_t count
     return STATUS_OK;
 }
 
-static void text_variable(Text *text, const Instance *instance, const Variable *variable)
-{
-    switch (variable->kind) {
-    case VARIABLE_PARAMETER: text_add(text, PARAMETER_INFO[variable->index].name); break;
-    case VARIABLE_INPUT: text_add(text, INPUT_NAME[variable->index]); break;
-    case VARIABLE_STATE: text_state(text, instance, variable->index); break;
-    default: text_add(text, "a calculated variable");
-    }
-}
-
-static Status refuse_value(Instance *instance, const Variable *variable, double value, const char *expected)
-{
-    Text text;
-    text_start(&text);
-    text_variable(&text, instance, variable);
-    text_add(&text, " = ");
-    text_number(&text, value);
-    text_at_time(&text, instance->time);
-    text_add(&text, ": ");
-    text_add(&text, expected);
-    return instance_fail(instance, &text);
-}
-
 /* Whether the variable may be set now, and to this value. */
 static Status check(Instance *instance, const Variable *variable, double value)
 {
+    if (variable->kind == VARIABLE_SOLVER_CHOICE) return refuse_value(instance, variable, value, NOT_A_NUMBER);
     if (variable->kind != VARIABLE_PARAMETER && variable->kind != VARIABLE_INPUT && variable->kind != VARIABLE_STATE)
         return refuse_value(instance, variable, value, "it is calculated and cannot be set");
     if (!isfinite(value)) return refuse_value(instance, variable, value, "a finite number is expected");
     if (variable->kind == VARIABLE_INPUT) return STATUS_OK;
-    if (!(instance->mode & MODE_SETUP))
-        return refuse_value(instance, variable, value,
-                            "parameters and start values are fixed once initialization has ended");
+    if (!(instance->mode & MODE_SETUP)) return refuse_value(instance, variable, value, TOO_LATE);
     if (variable->kind == VARIABLE_STATE) return STATUS_OK;
     const char *least = PARAMETER_INFO[variable->index].least;
     if (strcmp(least, "+0") == 0 && !(value > 0.0))
@@ -113,12 +164,48 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
             instance->model.parameter[variable->index] = values[k];
             invalidate_model(instance);
         } else {
-            double *place = variable->kind == VARIABLE_INPUT ? instance->u : instance->x;
+            double *states = instance->guess ? instance->guess : instance->x;
+            double *place = variable->kind == VARIABLE_INPUT ? instance->u : states;
             place[variable->index] = values[k];
             invalidate_state(instance);
         }
     }
+    if (instance->mode & MODE_SETUP) instance->start_is_current = false;
     return STATUS_OK;
+}
+
+static const Variable *lookup_choice(Instance *instance, uint32_t reference, const Text *value)
+{
+    const Variable *variable = lookup(instance, reference);
+    if (!variable || variable->kind == VARIABLE_SOLVER_CHOICE) return variable;
+    refuse(instance, variable, value, NOT_A_CHOICE);
+    return NULL;
+}
+
+Status instance_get_choice(Instance *instance, uint32_t reference, int64_t *value)
+{
+    if (!lookup_choice(instance, reference, NULL)) return STATUS_ERROR;
+    *value = (int64_t)instance->solver.choice + FIRST_CHOICE;
+    return STATUS_OK;
+}
+
+Status instance_check_choice(Instance *instance, uint32_t reference, int64_t value)
+{
+    Text number;
+    text_start(&number);
+    if (value < 0) text_add(&number, "-");
+    text_integer(&number, value < 0 ? 0u - (uint64_t)value : (uint64_t)value);
+    const Variable *variable = lookup_choice(instance, reference, &number);
+    if (!variable) return STATUS_ERROR;
+    if (!(instance->mode & MODE_SETUP)) return refuse(instance, variable, &number, TOO_LATE);
+    if (value < FIRST_CHOICE || value >= FIRST_CHOICE + SOLVER_CHOICES)
+        return refuse(instance, variable, &number, "1 (automatic), 2 (explicit) or 3 (implicit) is expected");
+    return STATUS_OK;
+}
+
+void instance_set_choice(Instance *instance, int64_t value)
+{
+    instance->solver.choice = (SolverChoice)(value - FIRST_CHOICE);
 }
 
 Status instance_set_input_derivative(Instance *instance, uint32_t reference, int order, double value)
@@ -173,6 +260,7 @@ Status instance_set_states(Instance *instance, const double *x, size_t count)
 Status instance_get_states(Instance *instance, double *x, size_t count)
 {
     if (!size_matches(instance, count)) return wrong_size(instance, count);
+    if (!refresh_start(instance)) return STATUS_ERROR;
     memcpy(x, instance->x, count * sizeof *x);
     return STATUS_OK;
 }

@@ -159,17 +159,35 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
     return fmi2_status(instance_set(instance, vr, nvr, value));
 }
 
-/* The cable has real variables only: an empty list is fine, anything else a mistake. */
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
+{
+    Instance *instance = legal(c, MODE_ANY, "fmi2GetInteger");
+    if (!instance) return fmi2Error;
+    if (nvr && (!vr || !value)) return refuse(c, "fmi2GetInteger: a null pointer was given");
+    for (size_t k = 0; k < nvr; k++) {
+        int64_t choice;
+        if (instance_get_choice(instance, vr[k], &choice) != STATUS_OK) return fmi2Error;
+        value[k] = (fmi2Integer)choice;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[])
+{
+    Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING, "fmi2SetInteger");
+    if (!instance) return fmi2Error;
+    if (nvr && (!vr || !value)) return refuse(c, "fmi2SetInteger: a null pointer was given");
+    for (size_t k = 0; k < nvr; k++)
+        if (instance_check_choice(instance, vr[k], value[k]) != STATUS_OK) return fmi2Error;
+    for (size_t k = 0; k < nvr; k++) instance_set_choice(instance, value[k]);
+    return fmi2OK;
+}
+
+/* Of other types the cable has no variables: an empty list is fine, anything else a mistake. */
 static fmi2Status no_variables(fmi2Component c, size_t count)
 {
     if (!c) return fmi2Error;
-    return count ? refuse(c, "the cable has no variables but those of type Real") : fmi2OK;
-}
-
-fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
-{
-    (void)vr, (void)value;
-    return no_variables(c, nvr);
+    return count ? refuse(c, "the cable has no variables but those of type Real and the Enumeration solver") : fmi2OK;
 }
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
@@ -179,12 +197,6 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 }
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
-{
-    (void)vr, (void)value;
-    return no_variables(c, nvr);
-}
-
-fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[])
 {
     (void)vr, (void)value;
     return no_variables(c, nvr);

@@ -186,11 +186,39 @@ fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
     return fmi3_status(instance_set(instance, valueReferences, nValueReferences, values));
 }
 
-/* The cable has Float64 variables only: an empty list is fine, anything else a mistake. */
+fmi3Status fmi3GetInt64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        fmi3Int64 values[], size_t nValues)
+{
+    Instance *instance = legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetInt64");
+    if (!instance) return fmi3Error;
+    if (nValueReferences && (!valueReferences || !values))
+        return fmi3_refuse(c, "fmi3GetInt64: a null pointer was given");
+    if (nValues != nValueReferences) return fmi3_refuse(c, "fmi3GetInt64: as many values as references are expected");
+    for (size_t k = 0; k < nValues; k++)
+        if (instance_get_choice(instance, valueReferences[k], &values[k]) != STATUS_OK) return fmi3Error;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetInt64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                        const fmi3Int64 values[], size_t nValues)
+{
+    Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING, "fmi3SetInt64");
+    if (!instance) return fmi3Error;
+    if (nValueReferences && (!valueReferences || !values))
+        return fmi3_refuse(c, "fmi3SetInt64: a null pointer was given");
+    if (nValues != nValueReferences) return fmi3_refuse(c, "fmi3SetInt64: as many values as references are expected");
+    for (size_t k = 0; k < nValues; k++)
+        if (instance_check_choice(instance, valueReferences[k], values[k]) != STATUS_OK) return fmi3Error;
+    for (size_t k = 0; k < nValues; k++) instance_set_choice(instance, values[k]);
+    return fmi3OK;
+}
+
+/* Of other types the cable has no variables: an empty list is fine, anything else a mistake. */
 static fmi3Status no_variables(fmi3Instance c, size_t count)
 {
     if (!c) return fmi3Error;
-    return count ? fmi3_refuse(c, "the cable has no variables but those of type Float64") : fmi3OK;
+    return count ? fmi3_refuse(c, "the cable has no variables but those of type Float64 and the Enumeration solver")
+                 : fmi3OK;
 }
 
 #define TYPE_WITHOUT_VARIABLES(Type)                                                                                   \
@@ -214,7 +242,6 @@ TYPE_WITHOUT_VARIABLES(Int16)
 TYPE_WITHOUT_VARIABLES(UInt16)
 TYPE_WITHOUT_VARIABLES(Int32)
 TYPE_WITHOUT_VARIABLES(UInt32)
-TYPE_WITHOUT_VARIABLES(Int64)
 TYPE_WITHOUT_VARIABLES(UInt64)
 TYPE_WITHOUT_VARIABLES(Boolean)
 TYPE_WITHOUT_VARIABLES(String)

@@ -37,6 +37,13 @@ bool instance_allows(Instance *instance, unsigned modes, const char *call)
     return false;
 }
 
+/* Nothing of an earlier run is left in the solver's memory. */
+static void start_solver(Instance *instance, SolverChoice choice, double tolerance)
+{
+    instance->solver = (SolverMemory){.choice = choice, .tolerance = tolerance};
+    solver_restart(&instance->solver);
+}
+
 /* State, inputs, parameters and solver as after instantiation; the arrays stay where they are. */
 static void start_over(Instance *instance)
 {
@@ -46,13 +53,23 @@ static void start_over(Instance *instance)
     memcpy(model->parameter, resource->parameter, sizeof model->parameter);
     memcpy(instance->x, resource->position, half * sizeof *instance->x);
     memcpy(instance->x + half, resource->velocity, half * sizeof *instance->x);
+    if (instance->guess) memcpy(instance->guess, instance->x, 2 * half * sizeof *instance->x);
     memcpy(instance->u, resource->input_start, sizeof instance->u);
     memset(instance->u_derivative, 0, sizeof instance->u_derivative);
-    memset(&instance->solver, 0, sizeof instance->solver);
-    instance->solver.tolerance = DEFAULT_TOLERANCE;
+    memset(instance->statics, 0, sizeof instance->statics);
+    start_solver(instance, (SolverChoice)resource->solver, DEFAULT_TOLERANCE);
     instance->time = instance->step_start = 0.0;
     instance->mode = MODE_INSTANTIATED;
+    instance->start_is_current = false;
     invalidate_model(instance);
+}
+
+static size_t doubles_of(const Resource *resource)
+{
+    const int n = (int)resource->n;
+    const size_t states = 2u * ((size_t)n + 1u);
+    const size_t for_start = resource->initial == INITIAL_EQUILIBRIUM ? states + statics_doubles(n) : 0;
+    return 2 * states + model_doubles(n) + work_doubles(n) + linear_doubles(n) + solver_doubles(n) + for_start;
 }
 
 /* The constants that the resource file gives, and where every array lives in the one block. */
@@ -74,7 +91,11 @@ static void lay_out(Instance *instance)
     instance->derivative = next, next += states;
     model_layout(model, next), next += model_doubles(n);
     work_layout(&instance->work, n, next), next += work_doubles(n);
-    instance->solver_block = next;
+    linear_layout(&instance->linear, n, next), next += linear_doubles(n);
+    instance->solver_block = next, next += solver_doubles(n);
+    if (resource->initial != INITIAL_EQUILIBRIUM) return;
+    instance->guess = next, next += states;
+    instance->statics_block = next;
 }
 
 static Instance *refuse(Instance *instance, const Text *why)
@@ -106,9 +127,7 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
         text_add(&why, expected);
         return refuse(instance, &why);
     }
-    const int n = (int)instance->resource.n;
-    const size_t states = 2u * ((size_t)n + 1u);
-    instance->block = calloc(2 * states + model_doubles(n) + work_doubles(n) + explicit_doubles(n), sizeof(double));
+    instance->block = calloc(doubles_of(&instance->resource), sizeof(double));
     if (!instance->block) {
         text_add(&why, "out of memory");
         return refuse(instance, &why);
@@ -156,7 +175,7 @@ Status instance_setup(Instance *instance, double start_time, bool has_tolerance,
 Status instance_exit_initialization(Instance *instance)
 {
     if (!refresh_derivatives(instance)) return STATUS_ERROR;
-    solver_restart(&instance->solver);
+    start_solver(instance, instance->solver.choice, instance->solver.tolerance);
     instance->mode = instance->interface == CO_SIMULATION ? MODE_STEP : MODE_EVENT;
     return STATUS_OK;
 }

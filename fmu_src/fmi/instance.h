@@ -10,6 +10,7 @@
 
 #include "../kernel/dynamics.h"
 #include "../kernel/solver.h"
+#include "../kernel/statics.h"
 #include "resource.h"
 #include "text.h"
 
@@ -53,10 +54,13 @@ struct Instance {
 
     Model model;
     Work work;
+    Linear linear;
     double time, step_start;
     double *x, *derivative, *solver_block;
+    double *guess, *statics_block; /* the start states as set, for an equilibrium near them; NULL: they are the start */
     double u[INPUT_COUNT], u_derivative[INPUT_ORDERS][INPUT_COUNT], output[OUTPUT_COUNT];
-    bool model_is_current, derivatives_are_current, outputs_are_current, tensions_are_current;
+    double statics[STATICS_COUNT];
+    bool model_is_current, start_is_current, derivatives_are_current, outputs_are_current, tensions_are_current;
     SolverMemory solver;
 };
 
@@ -76,6 +80,11 @@ Status instance_exit_initialization(Instance *instance);
 /* Values by reference; nothing is changed by a call that fails. */
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values);
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values);
+/* The one enumeration, `solver`: automatic = 1, explicit = 2, implicit = 3. */
+Status instance_get_choice(Instance *instance, uint32_t reference, int64_t *value);
+Status instance_check_choice(Instance *instance, uint32_t reference, int64_t value);
+void instance_set_choice(Instance *instance, int64_t value); /* after instance_check_choice() said OK */
+
 Status instance_set_input_derivative(Instance *instance, uint32_t reference, int order, double value);
 
 /* Model Exchange. */
@@ -90,6 +99,7 @@ Status instance_step(Instance *instance, double communication_point, double step
 
 /* Bring what is derived up to date (refresh.c); false after a message. */
 void refresh_model(Instance *instance);
+bool refresh_start(Instance *instance); /* the states, until initialization ends */
 bool refresh_derivatives(Instance *instance);
 bool refresh_outputs(Instance *instance, bool with_tensions);
 void invalidate_state(Instance *instance);

@@ -1,4 +1,5 @@
 #include <math.h>
+#include <string.h>
 
 #include "instance.h"
 
@@ -70,8 +71,45 @@ static bool state_is_usable(Instance *instance)
     return false;
 }
 
+static bool refuse_start(Instance *instance, StaticsStatus status)
+{
+    Text text;
+    text_start(&text);
+    text_add(&text, "no stable equilibrium was found near the start shape");
+    text_at_time(&text, instance->time);
+    text_add(&text, status == STATICS_NOT_FINITE ? ": forces or angles went beyond the range of numbers"
+                                                 : ": the forces could not be balanced");
+    text_add(&text, "; the largest acceleration left is ");
+    text_number(&text, instance->statics[STATICS_residual]);
+    text_add(&text, " m/s2 or rad/s2 after ");
+    text_integer(&text, (uint64_t)instance->statics[STATICS_iterations]);
+    text_add(&text, " iterations. Other inputs, parameters or start angles are expected, or a scene without "
+                    "initial = \"equilibrium\"");
+    instance_fail(instance, &text);
+    return false;
+}
+
+/*
+ * A function of what was set alone: the search begins with the states as they were set, not with an equilibrium that
+ * somebody looked at before.
+ */
+bool refresh_start(Instance *instance)
+{
+    if (!instance->guess || instance->start_is_current) return true;
+    memcpy(instance->x, instance->guess, (size_t)model_states(&instance->model) * sizeof *instance->x);
+    if (instance->mode == MODE_INSTANTIATED) return true; /* before initialization the start values are read back */
+    invalidate_state(instance);
+    refresh_model(instance);
+    if (!state_is_usable(instance)) return false;
+    const StaticsStatus status = statics_solve(&instance->model, instance->u, &instance->work, &instance->linear,
+                                               instance->statics_block, instance->x, instance->statics);
+    instance->start_is_current = status == STATICS_OK;
+    return instance->start_is_current || refuse_start(instance, status);
+}
+
 bool refresh_derivatives(Instance *instance)
 {
+    if (!refresh_start(instance)) return false;
     if (instance->derivatives_are_current) return true;
     refresh_model(instance);
     if (!state_is_usable(instance)) return false;
@@ -95,6 +133,7 @@ bool refresh_derivatives(Instance *instance)
 
 bool refresh_outputs(Instance *instance, bool with_tensions)
 {
+    if (!refresh_start(instance)) return false;
     if (with_tensions ? instance->tensions_are_current : instance->outputs_are_current) return true;
     if (with_tensions && !refresh_derivatives(instance)) return false;
     refresh_model(instance);

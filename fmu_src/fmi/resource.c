@@ -8,7 +8,7 @@
 
 #include "sha256.h"
 
-enum { HEADER_BYTES = 48 };
+enum { HEADER_BYTES = 56 };
 static const long MOST_BYTES = 64L * 1024 * 1024; /* 10,000 links with every variable take 1.5 MB */
 
 static int hex_digit(char c)
@@ -107,10 +107,13 @@ static bool lay_out(Resource *resource)
     resource->drag = word_at(bytes, 20);
     memcpy(&resource->present, bytes + 24, sizeof resource->present);
     resource->variables = word_at(bytes, 44);
+    resource->solver = word_at(bytes, 48);
+    resource->initial = word_at(bytes, 52);
     const bool counts = word_at(bytes, 8) == RESOURCE_VERSION && word_at(bytes, 32) == PARAMETER_COUNT &&
                         word_at(bytes, 36) == INPUT_COUNT && word_at(bytes, 40) == OUTPUT_COUNT;
     if (!counts || resource->n < 1 || resource->n > MOST_LINKS || resource->terminal >= TERMINAL_COUNT ||
-        resource->drag >= DRAG_COUNT || resource->present >> PARAMETER_COUNT)
+        resource->drag >= DRAG_COUNT || resource->present >> PARAMETER_COUNT || resource->solver >= SOLVER_CHOICES ||
+        resource->initial >= INITIAL_COUNT)
         return false;
     const size_t n = resource->n;
     const size_t doubles = PARAMETER_COUNT + INPUT_COUNT + 2 + LINK_COLUMNS * n + 2 * (n + 1);
@@ -144,8 +147,9 @@ static bool values_are_sane(const Resource *resource)
 static bool variables_are_sane(const Resource *resource)
 {
     const uint32_t states = 2u * (resource->n + 1u);
-    const uint32_t limit[VARIABLE_KINDS] = {1u,     PARAMETER_COUNT, INPUT_COUNT, states,
-                                            states, OUTPUT_COUNT,    SOLVER_COUNT};
+    const uint32_t statics = resource->initial == INITIAL_EQUILIBRIUM ? STATICS_COUNT : 0u;
+    const uint32_t limit[VARIABLE_KINDS] = {1u,           PARAMETER_COUNT, INPUT_COUNT, states, states,
+                                            OUTPUT_COUNT, SOLVER_COUNT,    1u,          statics};
     for (uint32_t k = 0; k < resource->variables; k++) {
         const Variable variable = resource->variable[k];
         if (variable.kind >= VARIABLE_KINDS || variable.index >= limit[variable.kind]) return false;

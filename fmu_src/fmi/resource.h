@@ -5,6 +5,7 @@
  *   version, n, terminal, drag                        4 x uint32
  *   present                                           uint64, bit P_x: the scene has parameter x
  *   parameters, inputs, outputs, variables            4 x uint32, counts
+ *   solver, initial                                   2 x uint32
  *   parameter[parameters], input_start[inputs], rest[2], link[8][n], position[n + 1], velocity[n + 1]    doubles
  *   (kind, index)[variables]                          2 x uint32 each, in order of value references
  *
@@ -15,10 +16,11 @@
 #define CABLE_RESOURCE_H
 
 #include "../kernel/model.h"
+#include "../kernel/solver.h"
 #include "text.h"
 
 #define RESOURCE_NAME    "cable.bin"
-#define RESOURCE_VERSION 1u
+#define RESOURCE_VERSION 2u
 #define MOST_LINKS       10000u
 
 typedef enum {
@@ -29,8 +31,13 @@ typedef enum {
     VARIABLE_DERIVATIVE,
     VARIABLE_OUTPUT,
     VARIABLE_SOLVER,
+    VARIABLE_SOLVER_CHOICE,
+    VARIABLE_STATICS,
     VARIABLE_KINDS
 } VariableKind;
+
+/* What a run starts from: the position in the file, or the equilibrium near it. */
+typedef enum { INITIAL_SHAPE, INITIAL_EQUILIBRIUM, INITIAL_COUNT } Initial;
 
 typedef struct {
     uint32_t kind, index;
@@ -39,7 +46,7 @@ typedef struct {
 typedef struct {
     uint8_t *bytes; /* the whole file; everything below points into it */
     size_t size;
-    uint32_t n, terminal, drag, variables;
+    uint32_t n, terminal, drag, variables, solver, initial;
     uint64_t present;
     const double *parameter, *input_start, *rest, *link, *position, *velocity;
     const Variable *variable;

@@ -31,7 +31,7 @@ static const char *reason(SolverStatus status)
 {
     switch (status) {
     case SOLVER_TOO_MANY_STEPS:
-        return "the step was given up after 1,000,000 attempts; the cable is too stiff for the explicit solver at this "
+        return "the step was given up after 1,000,000 attempts; the motion is too fast to be followed at this "
                "tolerance";
     case SOLVER_STEP_TOO_SMALL:
         return "the error asks for steps below the resolution of time; the motion is too violent or the tolerance too "
@@ -85,7 +85,7 @@ Status instance_step(Instance *instance, double communication_point, double step
     const double end = communication_point + step;
     instance->step_start = instance->time;
     const SolverStatus status =
-        explicit_advance(&system, &instance->solver, instance->solver_block, &instance->time, end, instance->x);
+        solver_advance(&system, &instance->solver, instance->solver_block, &instance->time, end, instance->x);
     invalidate_state(instance);
     if (status != SOLVER_OK) return give_up(instance, status);
     /* Outputs at the end see the inputs of the end; what the host said of their slopes is used up. */

@@ -19,6 +19,7 @@ from .errors import CableError, OptionError, RunError
 from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
 from .fmu.twin import build_twin
+from .fmu.variables import ENUMERATIONS
 from .plot import check_picture, plot_frames
 from .progress import showing_progress
 from .results import write_results
@@ -87,7 +88,9 @@ def run(
     set_: Annotated[
         list[str] | None,
         Parameter(
-            name="--set", consume_multiple=True, help="NAME=VALUE: parameters, constant inputs, start values (SI)."
+            name="--set",
+            consume_multiple=True,
+            help="NAME=VALUE: parameters, constant inputs, start values (SI); solver=NAME.",
         ),
     ] = None,
     record: Annotated[
@@ -153,21 +156,25 @@ def _archive_for(scene: str, fmi: int | None) -> tuple[Path, str, float]:
     return path, loaded.name, loaded.frame_interval
 
 
-def _assignments(texts: list[str]) -> dict[str, float]:
-    """NAME=VALUE, each name once."""
-    given: dict[str, float] = {}
+def _assignments(texts: list[str]) -> dict[str, float | str]:
+    """NAME=VALUE, each name once; the values of enumerations stay words."""
+    given: dict[str, float | str] = {}
     for text in texts:
-        name, equals, value = text.partition("=")
-        try:
-            number = float(value)
-        except ValueError:
-            number = None
-        if not equals or not name or number is None:
+        name, equals, word = text.partition("=")
+        value = word if name in ENUMERATIONS else _number(word)
+        if not equals or not name or value is None:
             raise OptionError(f"set {text}: NAME=VALUE with a number in SI units is expected, for example M_1=6000")
         if name in given:
             raise OptionError(f"set {text}: {name} was set before in the same command; once is allowed")
-        given[name] = number
+        given[name] = value
     return given
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

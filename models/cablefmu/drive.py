@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import chdir
 from typing import Any, Protocol
 
@@ -34,9 +34,9 @@ class Driver(Protocol):
     messages: list[str]
 
     def start(
-        self, start: float, stop: float, tolerance: float, references: Sequence[int], values: Sequence[float]
+        self, start: float, stop: float, tolerance: float, numbers: Mapping[int, float], choices: Mapping[int, int]
     ) -> None:
-        """Initialise, with these variables set before."""
+        """Initialise, with these variables set before: numbers and values of enumerations, by reference."""
 
     def get(self, references: Sequence[int]) -> list[float]:
         """Values of variables at the present time."""
@@ -120,10 +120,11 @@ class _Fmi2(_Base):
         _instantiate(self, lambda: self.fmu.instantiate(callbacks=callbacks, loggingOn=True))
 
     def start(
-        self, start: float, stop: float, tolerance: float, references: Sequence[int], values: Sequence[float]
+        self, start: float, stop: float, tolerance: float, numbers: Mapping[int, float], choices: Mapping[int, int]
     ) -> None:
         self._call("fmi2SetupExperiment", self.fmu.setupExperiment, tolerance=tolerance, startTime=start, stopTime=stop)
-        self._call("fmi2SetReal", self.fmu.setReal, list(references), list(values))
+        self._call("fmi2SetReal", self.fmu.setReal, list(numbers), list(numbers.values()))
+        self._call("fmi2SetInteger", self.fmu.setInteger, list(choices), list(choices.values()))
         self._call("fmi2EnterInitializationMode", self.fmu.enterInitializationMode)
         self._call("fmi2SetReal", self.fmu.setReal, self.inputs, self.feed.values(start))
         self._call("fmi2ExitInitializationMode", self.fmu.exitInitializationMode)
@@ -190,9 +191,10 @@ class _Fmi3(_Base):
         self._log = log
 
     def start(
-        self, start: float, stop: float, tolerance: float, references: Sequence[int], values: Sequence[float]
+        self, start: float, stop: float, tolerance: float, numbers: Mapping[int, float], choices: Mapping[int, int]
     ) -> None:
-        self._call("fmi3SetFloat64", self.fmu.setFloat64, list(references), list(values))
+        self._call("fmi3SetFloat64", self.fmu.setFloat64, list(numbers), list(numbers.values()))
+        self._call("fmi3SetInt64", self.fmu.setInt64, list(choices), list(choices.values()))
         self._call(
             "fmi3EnterInitializationMode",
             self.fmu.enterInitializationMode,

@@ -21,7 +21,7 @@ from .errors import OptionError, RunError
 from .feed import Feed
 from .fmu.archive import Archive, build_fmu, open_fmu
 from .fmu.table import table
-from .fmu.variables import Kind, Variable, variables_of
+from .fmu.variables import ENUMERATIONS, Kind, Variable, variables_of
 from .results import Recording, dataset
 from .scene import Scene, load_scene
 from .signals import Constant
@@ -29,6 +29,7 @@ from .signals import Constant
 __all__ = ["simulate"]
 
 INTERFACES = ("cs", "me")
+SETTABLE = (Kind.PARAMETER, Kind.SOLVER_CHOICE, Kind.INPUT, Kind.STATE)
 GROUPS = ("theta", "omega")
 """What `record` takes besides names of variables: all link angles, all link rates."""
 
@@ -44,7 +45,7 @@ class Settings:
     stop_time: float
     step: float
     tolerance: float
-    given: Mapping[str, float]
+    given: Mapping[str, float | str]
     record: tuple[str, ...]
 
     def times(self) -> list[float]:
@@ -56,7 +57,7 @@ class Settings:
 
 def simulate(
     what: Scene | str | Path, *, fmi: int | None = None, interface: str = "cs", stop_time: float | None = None,
-    step: float | None = None, tolerance: float | None = None, parameters: Mapping[str, float] | None = None,
+    step: float | None = None, tolerance: float | None = None, parameters: Mapping[str, float | str] | None = None,
     record: Sequence[str] = (), progress: Progress | None = None,
 ) -> xr.Dataset:  # fmt: skip
     """Build a scene's FMU, run it through FMPy, and return its outputs over time.
@@ -75,7 +76,8 @@ def simulate(
         Relative tolerance of the solver.
     parameters
         Values of parameters, inputs (then constant, instead of the scene's force) and start values of
-        states by name, SI. What the scene derived at build time stays.
+        states by name, SI, and the name of a solver: "automatic", "explicit" or "implicit" (used in
+        Co-Simulation). What the scene derived at build time stays.
     record
         Further variables by name; "theta" and "omega" stand for those of all links.
     progress
@@ -94,7 +96,8 @@ def simulate(
         If the run could not go on; its `partial` is the Dataset up to then.
     """
     scene, archive = _open(what, fmi)
-    settings = _settings(scene, interface, stop_time, step, tolerance, parameters or {}, record)
+    variables = _variables(scene, archive)
+    settings = _settings(scene, variables, interface, stop_time, step, tolerance, parameters or {}, record)
     folder = tempfile.mkdtemp(prefix="cablefmu-")
     try:
         if archive is None:
@@ -118,12 +121,21 @@ def _open(what: Scene | str | Path, fmi: int | None) -> tuple[Scene, Archive | N
     return load_scene(what), None
 
 
+def _variables(scene: Scene, archive: Archive | None) -> list[Variable]:
+    """The variables of the FMU; a twin has none of the native solver's."""
+    variables = variables_of(scene.cable, scene.dropped_outputs)
+    if archive is None:
+        return variables
+    present = {variable.name for variable in archive.description.modelVariables}
+    return [variable for variable in variables if variable.name in present]
+
+
 # --- settings ---
 
 
 def _settings(
-    scene: Scene, interface: str, stop_time: float | None, step: float | None, tolerance: float | None,
-    given: Mapping[str, float], record: Sequence[str],
+    scene: Scene, variables: list[Variable], interface: str, stop_time: float | None, step: float | None,
+    tolerance: float | None, given: Mapping[str, float | str], record: Sequence[str],
 ) -> Settings:  # fmt: skip
     if interface not in INTERFACES:
         raise OptionError(f"interface = {interface!r}: cs (Co-Simulation) or me (Model Exchange) is expected")
@@ -139,11 +151,13 @@ def _settings(
         raise OptionError(f"step = {settings.step} s: more than 10,000,000 output times; a longer step is expected")
     if settings.tolerance > 0.1:
         raise OptionError(f"tolerance = {settings.tolerance}: at most 0.1 is expected")
-    variables = {variable.name: variable for variable in variables_of(scene.cable, scene.dropped_outputs)}
+    by_name = {variable.name: variable for variable in variables}
     for name, value in settings.given.items():
-        _check_given(name, value, variables)
-    recordable = [*GROUPS, *(name for name, variable in variables.items() if variable.kind is not Kind.TIME)]
+        _check_given(name, value, by_name)
+    recordable = [*GROUPS, *(v.name for v in variables if v.kind not in (Kind.TIME, Kind.SOLVER_CHOICE))]
     for name in settings.record:
+        if name in ENUMERATIONS:
+            raise OptionError(f"record {name}: it is a fixed choice, not a number over time")
         if name not in recordable:
             raise OptionError(f"record {name}: there is no such variable{_nearest(name, recordable)}")
     return settings
@@ -155,13 +169,19 @@ def _positive(name: str, value: float, unit: str) -> float:
     return float(value)
 
 
-def _check_given(name: str, value: float, variables: Mapping[str, Variable]) -> None:
-    settable = [v.name for v in variables.values() if v.kind in (Kind.PARAMETER, Kind.INPUT, Kind.STATE)]
+def _check_given(name: str, value: float | str, variables: Mapping[str, Variable]) -> None:
+    settable = [v.name for v in variables.values() if v.kind in SETTABLE]
     if name not in variables:
         raise OptionError(f"set {name}: there is no such variable{_nearest(name, settable)}")
     if name not in settable:
         raise OptionError(f"set {name}: it is calculated and cannot be set; parameters, inputs and start values can")
-    if not math.isfinite(value):
+    enumeration = variables[name].enumeration
+    if enumeration:
+        allowed = [item.name for item in enumeration.items]
+        if value not in allowed:
+            raise OptionError(f"set {name}={value}: one of {', '.join(allowed)} is expected")
+        return
+    if isinstance(value, str) or not math.isfinite(value):
         raise OptionError(f"set {name}={value}: a finite number [{variables[name].unit}] is expected")
     least = table().parameters[name].least if variables[name].kind is Kind.PARAMETER else "-inf"
     if value < float(least) or (least == "+0" and value == 0.0):
@@ -178,20 +198,17 @@ def _nearest(name: str, allowed: Sequence[str]) -> str:
 
 
 def _run(archive: Archive, settings: Settings, folder: str, progress: Progress | None) -> xr.Dataset:
-    scene = archive.scene
-    present = {variable.name for variable in archive.description.modelVariables}  # a twin has no counters
-    variables = [v for v in variables_of(scene.cable, scene.dropped_outputs) if v.name in present]
+    scene, variables = archive.scene, _variables(archive.scene, archive)
     by_name = {variable.name: variable for variable in variables}
     signals = {name: scene.signals[name] for name in scene.cable.inputs}
     # A force that was set is constant, in place of the scene's.
-    signals |= {name: Constant(value) for name, value in settings.given.items() if name in signals}
+    signals |= {name: Constant(float(value)) for name, value in settings.given.items() if name in signals}
     feed = Feed(signals)
     recording = Recording([*_outputs(variables), *_recorded(variables, settings.record)])
     driver = make_driver(archive.fmi, settings.interface, archive.description, folder, feed)
     try:
         started = clock.perf_counter()
-        set_before = [(by_name[name].reference, value) for name, value in settings.given.items()]
-        driver.start(0.0, settings.stop_time, settings.tolerance, *_split(set_before))
+        driver.start(0.0, settings.stop_time, settings.tolerance, *_set_before(settings.given, by_name))
         failure = _advance(driver, feed, settings.times(), recording, progress)
         statistics: dict[str, float] = dict(driver.counters()) if failure is None else {}
         statistics["run_time"] = clock.perf_counter() - started
@@ -199,7 +216,7 @@ def _run(archive: Archive, settings: Settings, folder: str, progress: Progress |
         driver.close()
     result = dataset(recording, scene, {
         "fmi": archive.fmi, "interface": settings.interface, "step": settings.step, "stop_time": settings.stop_time,
-        "tolerance": settings.tolerance, "set": " ".join(f"{k}={v!r}" for k, v in settings.given.items()),
+        "tolerance": settings.tolerance, "set": " ".join(f"{k}={v}" for k, v in settings.given.items()),
     }, statistics)  # fmt: skip
     if failure is None:
         return result
@@ -208,8 +225,19 @@ def _run(archive: Archive, settings: Settings, folder: str, progress: Progress |
     raise RunError(str(failure), time=reached, partial=result)
 
 
-def _split(pairs: list[tuple[int, float]]) -> tuple[list[int], list[float]]:
-    return [reference for reference, _ in pairs], [value for _, value in pairs]
+def _set_before(
+    given: Mapping[str, float | str], variables: Mapping[str, Variable]
+) -> tuple[dict[int, float], dict[int, int]]:
+    """Numbers and values of enumerations, each by reference."""
+    numbers: dict[int, float] = {}
+    choices: dict[int, int] = {}
+    for name, value in given.items():
+        reference, enumeration = variables[name].reference, variables[name].enumeration
+        if enumeration:
+            choices[reference] = enumeration.value_of(str(value))
+        else:
+            numbers[reference] = float(value)
+    return numbers, choices
 
 
 def _outputs(variables: list[Variable]) -> list[Variable]:

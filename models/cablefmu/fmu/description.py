@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
@@ -78,12 +78,25 @@ def _number(value: float) -> str:
 
 def _add_units(root: ET.Element, variables: list[Variable]) -> None:
     definitions = ET.SubElement(root, "UnitDefinitions")
-    for name in sorted({variable.unit for variable in variables}):
+    for name in sorted({variable.unit for variable in variables if not variable.enumeration}):
         unit = UNITS[name]
         element = ET.SubElement(definitions, "Unit", name=name)
         ET.SubElement(element, "BaseUnit", {base: str(power) for base, power in unit.exponents.items()})
         for display, factor in unit.display.items():
             ET.SubElement(element, "DisplayUnit", name=display, factor=_number(factor))
+
+
+def _add_types(
+    root: ET.Element, variables: list[Variable], add: Callable[[ET.Element, dict[str, str]], ET.Element]
+) -> None:
+    enumerations = list(dict.fromkeys(variable.enumeration for variable in variables if variable.enumeration))
+    if not enumerations:
+        return
+    definitions = ET.SubElement(root, "TypeDefinitions")
+    for enumeration in enumerations:
+        parent = add(definitions, {"name": enumeration.name, "description": enumeration.description})
+        for item in enumeration.items:
+            ET.SubElement(parent, "Item", name=item.name, value=str(item.value), description=item.description)
 
 
 def _add_log_categories(root: ET.Element) -> None:
@@ -101,6 +114,9 @@ def _add_experiment(root: ET.Element, experiment: Experiment) -> None:
 
 def _value_attributes(variable: Variable) -> dict[str, str]:
     """What stands at the variable's type in FMI 2 and at the variable itself in FMI 3."""
+    if variable.enumeration:
+        assert variable.start is not None  # a parameter has one
+        return {"declaredType": variable.enumeration.name, "start": str(int(variable.start))}
     attributes = {"unit": variable.unit}
     display = next(iter(UNITS[variable.unit].display), None)
     if display:
@@ -133,12 +149,11 @@ def _outputs(variables: list[Variable]) -> list[Variable]:
 
 
 def _initial_unknowns(variables: list[Variable]) -> list[Variable]:
-    return [variable for variable in variables if variable.initial == "calculated"]
+    return [variable for variable in variables if variable.initial in ("calculated", "approx")]
 
 
-def _dependencies_at_start(variable: Variable) -> tuple[int, ...] | None:
-    """The energy at the start depends on parameters as well, everything else on the same as later."""
-    return None if variable.name == "energy" else variable.depends_on
+def _dependencies(variable: Variable, at_start: bool) -> tuple[int, ...] | None:
+    return None if at_start and variable.on_all_at_start else variable.depends_on
 
 
 # --- FMI 2.0 ---
@@ -167,18 +182,23 @@ def _fmi2(
     # Time needs no variable in FMI 2.
     variables = [variable for variable in variables if variable.kind is not Kind.TIME]
     _add_units(root, variables)
+    _add_types(root, variables, _fmi2_enumeration)
     _add_log_categories(root)
     _add_experiment(root, experiment)
     place = {variable.reference: str(k) for k, variable in enumerate(variables, start=1)}
     listing = ET.SubElement(root, "ModelVariables")
     for variable in variables:
         element = ET.SubElement(listing, "ScalarVariable", _identity(variable))
-        real = _value_attributes(variable)
+        attributes = _value_attributes(variable)
         if variable.derivative_of is not None:
-            real["derivative"] = place[variable.derivative_of]
-        ET.SubElement(element, "Real", real)
+            attributes["derivative"] = place[variable.derivative_of]
+        ET.SubElement(element, "Enumeration" if variable.enumeration else "Real", attributes)
     _fmi2_structure(root, variables, place)
     return root
+
+
+def _fmi2_enumeration(definitions: ET.Element, attributes: dict[str, str]) -> ET.Element:
+    return ET.SubElement(ET.SubElement(definitions, "SimpleType", attributes), "Enumeration")
 
 
 def _fmi2_structure(root: ET.Element, variables: list[Variable], place: dict[int, str]) -> None:
@@ -194,7 +214,7 @@ def _fmi2_structure(root: ET.Element, variables: list[Variable], place: dict[int
         parent = ET.SubElement(structure, section)
         for unknown in sorted(unknowns, key=lambda variable: variable.reference):
             attributes = {"index": place[unknown.reference]}
-            depends_on = _dependencies_at_start(unknown) if at_start else unknown.depends_on
+            depends_on = _dependencies(unknown, at_start)
             if depends_on is not None:
                 attributes["dependencies"] = " ".join(place[reference] for reference in depends_on)
             ET.SubElement(parent, "Unknown", attributes)
@@ -224,6 +244,7 @@ def _fmi3(
     }
     ET.SubElement(root, "CoSimulation", {**capabilities, **stepping})
     _add_units(root, variables)
+    _add_types(root, variables, _fmi3_enumeration)
     _add_log_categories(root)
     _add_experiment(root, experiment)
     listing = ET.SubElement(root, "ModelVariables")
@@ -233,9 +254,14 @@ def _fmi3(
             attributes["intermediateUpdate"] = "true"
         if variable.derivative_of is not None:
             attributes["derivative"] = str(variable.derivative_of)
-        ET.SubElement(listing, "Float64", {**attributes, **_value_attributes(variable)})
+        tag = "Enumeration" if variable.enumeration else "Float64"
+        ET.SubElement(listing, tag, {**attributes, **_value_attributes(variable)})
     _fmi3_structure(root, variables)
     return root
+
+
+def _fmi3_enumeration(definitions: ET.Element, attributes: dict[str, str]) -> ET.Element:
+    return ET.SubElement(definitions, "EnumerationType", attributes)
 
 
 def _fmi3_structure(root: ET.Element, variables: list[Variable]) -> None:
@@ -248,7 +274,7 @@ def _fmi3_structure(root: ET.Element, variables: list[Variable]) -> None:
     for tag, unknowns, at_start in sections:
         for unknown in unknowns:
             attributes = {"valueReference": str(unknown.reference)}
-            depends_on = _dependencies_at_start(unknown) if at_start else unknown.depends_on
+            depends_on = _dependencies(unknown, at_start)
             if depends_on is not None:
                 attributes["dependencies"] = " ".join(map(str, depends_on))
             ET.SubElement(structure, tag, attributes)

@@ -7,7 +7,7 @@ import struct
 
 import numpy as np
 
-from ..cable import Cable, Drag, Terminal
+from ..cable import Cable, Drag, Initial, SolverChoice, Terminal
 from .table import table
 from .variables import Variable
 
@@ -15,7 +15,7 @@ __all__ = ["RESOURCE_NAME", "resource_bytes", "token_of"]
 
 RESOURCE_NAME = "cable.bin"
 _MAGIC = b"CABLEFMU"
-_VERSION = 1
+_VERSION = 2
 
 
 def resource_bytes(cable: Cable, variables: list[Variable]) -> bytes:
@@ -31,8 +31,9 @@ def resource_bytes(cable: Cable, variables: list[Variable]) -> bytes:
     rows = table()
     present = sum(1 << rows.parameters[name].slot for name in cable.parameters)
     header = _MAGIC + struct.pack(
-        "<IIIIQIIII", _VERSION, cable.n, list(Terminal).index(cable.terminal), list(Drag).index(cable.drag), present,
+        "<IIIIQIIIIII", _VERSION, cable.n, list(Terminal).index(cable.terminal), list(Drag).index(cable.drag), present,
         len(rows.parameters), len(rows.inputs), len(rows.outputs), len(variables),
+        list(SolverChoice).index(cable.solver), list(Initial).index(cable.initial),
     )  # fmt: skip
     links = cable.links
     doubles = [

@@ -1,6 +1,6 @@
 """The kernel's table of scalars, read from the same file that the C compiler reads.
 
-``variables.def`` names every parameter, input and output once, with unit and description; a row's place
+``variables.def`` names every number that crosses the border once, with unit and description; a row's place
 in its list is its slot number in the kernel.
 """
 
@@ -13,7 +13,8 @@ from importlib.resources import files
 
 __all__ = ["Row", "Table", "table"]
 
-_ROW = re.compile(r'^(PARAMETER|INPUT|OUTPUT|SOLVER)\((\w+), "([^"]*)", (?:([-+\w.]+), )?"([^"]*)"\)$', re.MULTILINE)
+_LISTS = ("PARAMETER", "INPUT", "OUTPUT", "SOLVER", "STATICS")
+_ROW = re.compile(rf'^({"|".join(_LISTS)})\((\w+), "([^"]*)", (?:([-+\w.]+), )?"([^"]*)"\)$', re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,20 +41,22 @@ class Table:
     inputs: dict[str, Row]
     outputs: dict[str, Row]
     solver: dict[str, Row]
-    """Counters of the built-in solver, outputs as well: solver.steps, ..."""
+    """Health of the built-in solver, outputs as well: solver.steps, ..."""
+    statics: dict[str, Row]
+    """Of the equilibrium that a run starts from, outputs as well: statics.residual, ..."""
 
 
 @cache
 def table() -> Table:
     """The table that the installed binaries were compiled with."""
     text = (files("cablefmu") / "binaries" / "variables.def").read_text(encoding="utf-8")
-    lists: dict[str, dict[str, Row]] = {"PARAMETER": {}, "INPUT": {}, "OUTPUT": {}, "SOLVER": {}}
+    lists: dict[str, dict[str, Row]] = {kind: {} for kind in _LISTS}
     for kind, name, unit, extra, description in _ROW.findall(text):
         rows = lists[kind]
-        if kind == "SOLVER":
-            name = f"solver.{name}"
+        if kind in ("SOLVER", "STATICS"):
+            name = f"{kind.lower()}.{name}"
         if kind == "PARAMETER":
             rows[name] = Row(name, unit, description, len(rows), least=extra)
         else:
             rows[name] = Row(name, unit, description, len(rows), nominal=float(extra or 1.0))
-    return Table(lists["PARAMETER"], lists["INPUT"], lists["OUTPUT"], lists["SOLVER"])
+    return Table(*lists.values())

@@ -39,9 +39,10 @@ _REMARK = (
 
 
 def twin_variables(scene: Scene) -> list[Variable]:
-    """The native FMU's variables, by the same references, less its time and its solver's counters."""
+    """The native FMU's variables, by the same references, less its time and what belongs to its own algorithms."""
     variables = variables_of(scene.cable, scene.dropped_outputs)
-    return [variable for variable in variables if variable.kind not in (Kind.TIME, Kind.SOLVER)]
+    own = (Kind.TIME, Kind.SOLVER, Kind.SOLVER_CHOICE, Kind.STATICS)
+    return [variable for variable in variables if variable.kind not in own]
 
 
 def build_twin(scene: Scene | str | Path, output: str | Path | None = None) -> Path:

@@ -10,10 +10,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 
-from ..cable import Cable
+from ..cable import Cable, Initial, SolverChoice
 from .table import table
 
-__all__ = ["STATE_OUTPUTS", "Kind", "Variable", "variables_of"]
+__all__ = ["ENUMERATIONS", "STATE_OUTPUTS", "Enumeration", "Item", "Kind", "Variable", "variables_of"]
 
 STATE_OUTPUTS = ("y_m1", "v_m1")
 """Outputs that are states themselves: floater 1's displacement and velocity."""
@@ -21,6 +21,8 @@ STATE_OUTPUTS = ("y_m1", "v_m1")
 
 FRAME = "x right, y down"
 """Every variable with a direction says so."""
+
+COSIMULATION_ONLY = "Co-Simulation only: stays 0 in Model Exchange"
 
 
 class Kind(IntEnum):
@@ -33,6 +35,44 @@ class Kind(IntEnum):
     DERIVATIVE = 4
     OUTPUT = 5
     SOLVER = 6
+    SOLVER_CHOICE = 7
+    STATICS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One value of an enumeration."""
+
+    name: str
+    value: int
+    description: str
+
+
+@dataclass(frozen=True, slots=True)
+class Enumeration:
+    """A type that is no number."""
+
+    name: str
+    description: str
+    items: tuple[Item, ...]
+
+    def value_of(self, name: str) -> int:
+        """The value that stands for an item."""
+        return next(item.value for item in self.items if item.name == name)
+
+
+_SOLVER_CHOICES = Enumeration(
+    "SolverChoice",
+    "Integrator of the FMU in Co-Simulation",
+    (
+        Item(SolverChoice.AUTOMATIC, 1, "Whichever is cheaper, decided during the run from stiffness and cost"),
+        Item(SolverChoice.EXPLICIT, 2, "Dormand-Prince 5(4): for motion that is itself fast"),
+        Item(SolverChoice.IMPLICIT, 3, "Linearly implicit and L-stable: for stiff cables, joints and end springs"),
+    ),
+)
+
+ENUMERATIONS = {"solver": _SOLVER_CHOICES}
+"""Parameters that are no numbers, by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +96,10 @@ class Variable:
     """Value reference of the state that this is the time derivative of."""
     depends_on: tuple[int, ...] | None = None
     """Value references of the inputs and states that it depends on; None: on all of them."""
+    on_all_at_start: bool = False
+    """Whether at the start it depends on parameters as well, and so on everything that is known then."""
+    enumeration: Enumeration | None = None
+    """Its type, where it is no real number; it has no unit then, and `start` is a value of the enumeration."""
 
 
 def variables_of(cable: Cable, dropped_outputs: Iterable[str] = ()) -> list[Variable]:
@@ -67,15 +111,22 @@ def variables_of(cable: Cable, dropped_outputs: Iterable[str] = ()) -> list[Vari
         The scene's numbers.
     dropped_outputs
         Names of outputs to leave out. A state that is dropped as an output stays as a local variable.
+
+    Notes
+    -----
+    Where a run starts from equilibrium, the start values of the states are the guess that the search begins with, and
+    states, derivatives and outputs all depend on every parameter and input at the start.
     """
     dropped = set(dropped_outputs)
     listing = _Listing()
     listing.add("time", Kind.TIME, 0, "s", "Time", causality="independent", variability="continuous")
     _add_parameters(listing, cable)
+    _add_solver_choice(listing, cable)
     _add_inputs(listing, cable)
     states = _add_states(listing, cable, dropped)
     _add_derivatives(listing, cable, states)
     _add_outputs(listing, cable, states, dropped)
+    _add_health(listing, cable, dropped)
     return listing.variables
 
 
@@ -100,6 +151,15 @@ def _add_parameters(listing: _Listing, cable: Cable) -> None:
             )  # fmt: skip
 
 
+def _add_solver_choice(listing: _Listing, cable: Cable) -> None:
+    choices = ENUMERATIONS["solver"]
+    listing.add(
+        "solver", Kind.SOLVER_CHOICE, 0, "", f"{choices.description}; Model Exchange does not use it",
+        causality="parameter", variability="fixed", initial="exact", start=choices.value_of(cable.solver),
+        enumeration=choices,
+    )  # fmt: skip
+
+
 def _add_inputs(listing: _Listing, cable: Cable) -> None:
     for name in cable.inputs:
         row = table().inputs[name]
@@ -122,12 +182,14 @@ def _add_states(listing: _Listing, cable: Cable, dropped: set[str]) -> list[Vari
         (f"omega[{i}]", "rad/s", f"Link {i}: angular rate, positive towards +x; {FRAME}") for i in range(1, cable.n + 1)
     ]
     starts = [*cable.position, *cable.velocity]
+    sought = cable.initial is Initial.EQUILIBRIUM
     states = []
     for k, (name, unit, description) in enumerate(described):
         causality = "output" if name in STATE_OUTPUTS and name not in dropped else "local"
         states.append(listing.add(
-            name, Kind.STATE, k, unit, description, causality=causality, variability="continuous", initial="exact",
-            start=float(starts[k]), nominal=1.0, depends_on=(len(listing.variables),),
+            name, Kind.STATE, k, unit, description, causality=causality, variability="continuous",
+            initial="approx" if sought else "exact", start=float(starts[k]), nominal=1.0,
+            depends_on=(len(listing.variables),), on_all_at_start=sought,
         ))  # fmt: skip
     return states
 
@@ -141,7 +203,7 @@ def _add_derivatives(listing: _Listing, cable: Cable, states: list[Variable]) ->
         listing.add(
             f"der({state.name})", Kind.DERIVATIVE, k, unit, f"Time derivative of {state.name}; {FRAME}",
             causality="local", variability="continuous", initial="calculated", derivative_of=state.reference,
-            depends_on=depends_on,
+            depends_on=depends_on, on_all_at_start=cable.initial is Initial.EQUILIBRIUM,
         )  # fmt: skip
 
 
@@ -162,10 +224,21 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         listing.add(
             name, Kind.OUTPUT, row.slot, row.unit, f"{row.description}; {FRAME}", causality="output",
             variability="continuous", initial="calculated", nominal=row.nominal, depends_on=depends_on.get(name),
+            on_all_at_start=name == "energy" or cable.initial is Initial.EQUILIBRIUM,
         )  # fmt: skip
+
+
+def _add_health(listing: _Listing, cable: Cable, dropped: set[str]) -> None:
+    """Of the solver, and of the equilibrium where one is sought: at initialisation, after which it stays."""
     for name, row in table().solver.items():
         if name not in dropped:
             listing.add(
-                name, Kind.SOLVER, row.slot, row.unit, row.description, causality="output", variability="continuous",
-                initial="calculated", depends_on=(),
+                name, Kind.SOLVER, row.slot, row.unit, f"{row.description}; {COSIMULATION_ONLY}", causality="output",
+                variability="continuous", initial="calculated", depends_on=(),
+            )  # fmt: skip
+    for name, row in table().statics.items():
+        if name not in dropped and cable.initial is Initial.EQUILIBRIUM:
+            listing.add(
+                name, Kind.STATICS, row.slot, row.unit, row.description, causality="output", variability="discrete",
+                initial="calculated", depends_on=(), on_all_at_start=True,
             )  # fmt: skip
