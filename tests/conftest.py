@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.fmu_helpers import small_scene, unpack
+from tests.fmu_helpers import from_equilibrium, small_scene, unpack
 from tests.kernel.library import compile_kernel, load
 
 Unpacked = Callable[[str, int], Path]
@@ -26,6 +26,18 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     @cache
     def build(kind: str, fmi: int) -> Path:
         return unpack(small_scene(kind), folder, fmi)
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def unpacked_from_equilibrium(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """The same of scenes whose runs start from equilibrium."""
+    folder = tmp_path_factory.mktemp("fmus-from-equilibrium")
+
+    @cache
+    def build(kind: str, fmi: int) -> Path:
+        return unpack(from_equilibrium(small_scene(kind)), folder, fmi)
 
     return build
 

@@ -14,11 +14,11 @@ import pytest
 from fmpy import extract, fmi2, fmi3, read_model_description
 from fmpy.fmi1 import FMICallException
 
-from cablefmu.cable import Floats
+from cablefmu.cable import Floats, Initial
 from cablefmu.fmu.archive import build_fmu
 from cablefmu.scene import Scene
 
-__all__ = ["KINDS", "SCENES", "Host", "small_scene", "unpack", "with_parameters"]
+__all__ = ["KINDS", "SCENES", "Host", "from_equilibrium", "small_scene", "unpack", "with_parameters"]
 
 _CABLE = """
 format = 1
@@ -69,6 +69,11 @@ def with_parameters(scene: Scene, **values: float) -> Scene:
     return replace(scene, cable=replace(scene.cable, parameters=scene.cable.parameters | values))
 
 
+def from_equilibrium(scene: Scene) -> Scene:
+    """The same scene, its run starting from the equilibrium near its shape."""
+    return replace(scene, cable=replace(scene.cable, initial=Initial.EQUILIBRIUM))
+
+
 def unpack(scene: Scene, folder: Path, fmi: int) -> Path:
     """Build the scene's FMU and unpack it into a folder of its own."""
     target = folder / f"{scene.name}-{fmi}"
@@ -86,6 +91,7 @@ class Host(AbstractContextManager["Host"]):
         self.description = read_model_description(str(folder), validate=False)
         self.fmi = int(self.description.fmiVersion[0])
         self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.enumerations = {v.name for v in self.description.modelVariables if v.type == "Enumeration"}
         self.messages: list[str] = []
         offered = self.description.coSimulation if interface == "cs" else self.description.modelExchange
         kinds = {
@@ -127,8 +133,22 @@ class Host(AbstractContextManager["Host"]):
         return [v.name for v in self.description.modelVariables if v.causality in causalities]
 
     def get(self, *names: str) -> list[float]:
-        references = [self.reference[name] for name in names]
-        return list(self.fmu.getReal(references) if self.fmi == 2 else self.fmu.getFloat64(references))
+        if self.enumerations.isdisjoint(names):
+            return self.get_reals([self.reference[name] for name in names])
+        return [self.get_choice(name) if name in self.enumerations else self.get(name)[0] for name in names]
+
+    def get_reals(self, references: Sequence[int]) -> list[float]:
+        return list((self.fmu.getReal if self.fmi == 2 else self.fmu.getFloat64)(references))
+
+    def get_choice(self, name: str) -> int:
+        """Through the function for enumerations."""
+        (value,) = (self.fmu.getInteger if self.fmi == 2 else self.fmu.getInt64)([self.reference[name]])
+        return int(value)
+
+    def set_choices(self, *choices: tuple[str, int]) -> None:
+        """Through the function for enumerations, in one call."""
+        write = self.fmu.setInteger if self.fmi == 2 else self.fmu.setInt64
+        write([self.reference[name] for name, _ in choices], [value for _, value in choices])
 
     def set(self, **values: float) -> None:
         self.set_all(values)

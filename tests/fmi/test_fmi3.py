@@ -76,8 +76,10 @@ def test_sizes_are_told(unpacked: Unpacked) -> None:
 
 def test_as_many_values_as_references(unpacked: Unpacked) -> None:
     with Host(unpacked("load", 3)) as host:
-        references, values = (ctypes.c_uint32 * 2)(0, 1), (ctypes.c_double * 2)()
-        for call in (host.fmu.fmi3GetFloat64, host.fmu.fmi3SetFloat64):
+        references = (ctypes.c_uint32 * 2)(0, 1)
+        for kind in ("GetFloat64", "SetFloat64", "GetInt64", "SetInt64"):
+            values = (ctypes.c_double * 2)() if kind.endswith("Float64") else (ctypes.c_int64 * 2)()
+            call = getattr(host.fmu, f"fmi3{kind}")
             says = host.refusal(call, host.fmu.component, references, 2, values, 1)
             assert "as many values as references are expected" in says
             assert "a null pointer was given" in host.refusal(call, host.fmu.component, None, 2, None, 2)
@@ -104,14 +106,15 @@ def test_what_the_description_does_not_offer_is_refused(pattern: str, says: str,
     assert len(names) == len(host.messages) + ("State" in pattern) >= 2
 
 
-@pytest.mark.parametrize("kind", ["Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64",
-                                  "Boolean", "String"])  # fmt: skip
+@pytest.mark.parametrize("kind", ["Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "UInt64", "Boolean",
+                                  "String"])  # fmt: skip
 def test_other_types_have_no_variables(kind: str, unpacked: Unpacked) -> None:
     with Host(unpacked("load", 3)) as host:
         for way in ("Get", "Set"):
             name, reference = f"fmi3{way}{kind}", ctypes.c_uint32(0)
             assert host.raw(name, ctypes.byref(reference), ctypes.c_size_t(1), None, ctypes.c_size_t(1)) == 3
-            assert host.messages[-1] == "the cable has no variables but those of type Float64"
+            says = "the cable has no variables but those of type Float64 and the Enumeration solver"
+            assert host.messages[-1] == says
             assert host.raw(name, None, ctypes.c_size_t(0), None, ctypes.c_size_t(0)) == 0
 
 

@@ -114,7 +114,8 @@ def test_damage_is_refused(seed: int, spoilt: Path, fmi: int) -> None:
     assert "cable.bin" in refusal(spoilt)
 
 
-HEADER = {"version": 8, "links": 12, "terminal": 16, "drag": 20, "parameters": 32, "inputs": 36, "outputs": 40}
+HEADER = {"version": 8, "links": 12, "terminal": 16, "drag": 20, "parameters": 32, "inputs": 36, "outputs": 40,
+          "solver": 48, "initial": 52}  # fmt: skip
 
 
 @both
@@ -124,7 +125,7 @@ def test_the_header_is_checked_even_if_the_token_fits(entry: str, value: int, sp
     resource = spoilt / "resources" / "cable.bin"
     content = bytearray(resource.read_bytes())
     struct.pack_into("<I", content, HEADER[entry], value)
-    if entry in ("terminal", "drag") and value == 0:
+    if entry in ("terminal", "drag", "solver", "initial") and value == 0:
         content[HEADER[entry]] = 9  # 0 is a kind as well
     resource.write_bytes(content)
     assert "is not a cable of this version, or is damaged" in refusal(spoilt, token=token_of(bytes(content)))

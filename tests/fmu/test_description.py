@@ -61,7 +61,7 @@ def test_variables_carry_name_unit_and_description_of_the_table(kind: str, fmi: 
     for name, variable in described.items():
         assert variable.valueReference == expected[name].reference
         row = {**rows.parameters, **rows.inputs, **rows.outputs, **rows.solver}.get(name)
-        assert variable.unit == (row.unit if row else expected[name].unit)
+        assert variable.unit == (row.unit if row else expected[name].unit or None)
         assert (variable.description or "").startswith(row.description if row else expected[name].description)
 
 
@@ -153,7 +153,8 @@ def test_at_the_start_nothing_hangs_on_what_is_not_listed(kind: str, fmi: int, u
         unknowns = host.description.initialUnknowns
         names = [u.variable.name for u in unknowns]
         before = host.get(*names)
-        for known in [*host.names("parameter", "input"), *known_now(host)]:
+        reals = [name for name in host.names("parameter", "input") if name not in host.enumerations]
+        for known in [*reals, *known_now(host)]:
             (value,) = host.get(known)
             host.set_all({known: 1.1 * value + 0.01})
             for unknown, old, new in zip(unknowns, before, host.get(*names), strict=True):
@@ -161,6 +162,47 @@ def test_at_the_start_nothing_hangs_on_what_is_not_listed(kind: str, fmi: int, u
                 assert new == old or listed is None or known in {d.name for d in listed}
             host.set_all({known: value})
         assert host.get(*names) == before
+
+
+@both
+def test_the_solver_is_an_enumeration_of_names(fmi: int, unpacked: Unpacked) -> None:
+    with Host(unpacked("load", fmi)) as host:
+        (solver,) = [v for v in host.description.modelVariables if v.type == "Enumeration"]
+        types = host.description.typeDefinitions
+    assert (solver.name, solver.start) == ("solver", "1")
+    assert [t.name for t in types] == [solver.declaredType.name] == ["SolverChoice"]
+    assert [(item.name, int(item.value)) for item in solver.declaredType.items] == [
+        ("automatic", 1), ("explicit", 2), ("implicit", 3)
+    ]  # fmt: skip
+    assert all(item.description for item in solver.declaredType.items)
+
+
+# --- runs that start from equilibrium ---
+
+
+@both
+@every
+def test_start_values_of_an_equilibrium_are_a_guess(kind: str, fmi: int, unpacked_from_equilibrium: Unpacked) -> None:
+    """The states are unknown at the start: of everything but the solver's health nothing else is said of them."""
+    with Host(unpacked_from_equilibrium(kind, fmi)) as host:
+        description, health = host.description, ("solver.",)
+        states = [v.derivative for v in description.modelVariables if v.derivative is not None]
+        outputs = host.names("output")
+    assert {(state.initial, state.start is not None) for state in states} == {("approx", True)}
+    unknown = {u.variable.name: u.dependencies for u in description.initialUnknowns}
+    derivatives = [u.variable.name for u in description.derivatives]
+    assert set(unknown) == {*(state.name for state in states), *derivatives, *outputs}
+    for name, dependencies in unknown.items():
+        assert dependencies == ([] if name.startswith(health) else None)
+
+
+@both
+@every
+def test_the_schema_is_met_from_equilibrium_as_well(kind: str, fmi: int, unpacked_from_equilibrium: Unpacked) -> None:
+    path = Path(fmpy.__file__).parent / "schema" / f"fmi{fmi}" / f"fmi{fmi}ModelDescription.xsd"
+    schema = etree.XMLSchema(etree.parse(path))
+    schema.validate(xml(unpacked_from_equilibrium(kind, fmi)))
+    assert [str(error) for error in schema.error_log] == []
 
 
 @pytest.mark.parametrize(

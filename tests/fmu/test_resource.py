@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import struct
 import uuid
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from cablefmu.cable import Initial, SolverChoice, Terminal
 from cablefmu.fmu.resource import resource_bytes, token_of
 from cablefmu.fmu.table import table
 from cablefmu.fmu.variables import variables_of
@@ -21,13 +23,14 @@ def test_layout(kind: str) -> None:
     cable, rows = small_scene(kind).cable, table()
     variables = variables_of(cable)
     data = resource_bytes(cable, variables)
-    magic, version, n, terminal, drag, present, *counts = struct.unpack_from("<8sIIIIQIIII", data)
-    assert (magic, version, n, terminal) == (b"CABLEFMU", 1, 5, TERMINALS[kind])
+    magic, version, n, terminal, drag, present, *counts, solver, initial = struct.unpack_from("<8sIIIIQIIIIII", data)
+    assert (magic, version, n, terminal) == (b"CABLEFMU", 2, 5, TERMINALS[kind])
+    assert (solver, initial) == (0, 0)
     assert drag == (0 if kind == "air" else 1)
     assert counts == [len(rows.parameters), len(rows.inputs), len(rows.outputs), len(variables)]
     assert {name for name, row in rows.parameters.items() if present >> row.slot & 1} == set(cable.parameters)
 
-    doubles = np.frombuffer(data, "<f8", count=counts[0] + counts[1] + 2 + 8 * n + 2 * (n + 1), offset=48)
+    doubles = np.frombuffer(data, "<f8", count=counts[0] + counts[1] + 2 + 8 * n + 2 * (n + 1), offset=56)
     parameters, inputs, rest, links, state = np.split(doubles, np.cumsum([counts[0], counts[1], 2, 8 * n]))
     assert {name: parameters[rows.parameters[name].slot] for name in cable.parameters} == cable.parameters
     assert tuple(rest) == cable.rest_position
@@ -36,8 +39,23 @@ def test_layout(kind: str) -> None:
     for name, column in zip(columns, links.reshape(8, n), strict=True):
         np.testing.assert_array_equal(column, getattr(cable.links, name))
     np.testing.assert_array_equal(state, np.concatenate([cable.position, cable.velocity]))
-    accessors = list(struct.iter_unpack("<II", data[48 + doubles.nbytes :]))
+    accessors = list(struct.iter_unpack("<II", data[56 + doubles.nbytes :]))
     assert accessors == [(v.kind, v.index) for v in variables]
+
+
+@pytest.mark.parametrize(("choice", "number"), [("automatic", 0), ("explicit", 1), ("implicit", 2)])
+@pytest.mark.parametrize(("initial", "start"), [("shape", 0), ("equilibrium", 1)])
+def test_choices_stand_behind_the_counts(choice: str, number: int, initial: str, start: int) -> None:
+    cable = replace(small_scene("load").cable, solver=SolverChoice(choice), initial=Initial(initial))
+    assert struct.unpack_from("<II", resource_bytes(cable, variables_of(cable)), 48) == (number, start)
+
+
+def test_a_pin_has_its_place() -> None:
+    cable = replace(small_scene("anchor-mass").cable, terminal=Terminal.PIN, rest_position=(12.0, 13.0))
+    data = resource_bytes(cable, variables_of(cable))
+    assert struct.unpack_from("<I", data, 16) == (4,)
+    place = 56 + 8 * (len(table().parameters) + len(table().inputs))
+    assert struct.unpack_from("<dd", data, place) == (12.0, 13.0)
 
 
 def test_the_token_is_a_uuid_of_the_content() -> None:

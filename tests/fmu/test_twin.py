@@ -108,7 +108,7 @@ def test_the_description_is_the_native_one_without_counters(name: str, both: Unp
         return {
             v.name: (v.valueReference, v.causality, v.variability, v.initial, v.unit, v.start, v.min, v.nominal)
             for v in variables
-            if not v.name.startswith("solver.")
+            if not v.name.startswith("solver")
         }
 
     native, twin = both(name)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from cablefmu import scene_schema
+from cablefmu.cable import SolverChoice
 from cablefmu.fmu.table import table
 from cablefmu.fmu.units import UNITS
 from cablefmu.fmu.variables import Kind, variables_of
-from tests.fmu_helpers import KINDS, small_scene
+from tests.fmu_helpers import KINDS, from_equilibrium, small_scene
 
 FORCES = {
     "air": ["u_m1", "F_cx", "F_cy"],
@@ -29,6 +32,11 @@ PARAMETERS = {
     "floater": {"rho_w", "Cd", "M_2", "k_m2H", "c_m2H", "k_m2V", "c_m2V", *SPRING},
 }
 OUTPUTS = ["y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c", "tension_top", "tension_end", "tension_max", "energy"]
+HEALTH = {
+    "solver.steps": "1", "solver.rejected": "1", "solver.rhs": "1", "solver.jacobians": "1", "solver.step_size": "s",
+    "solver.stiff": "1", "solver.error_estimate": "1", "solver.energy_residual": "J",
+}  # fmt: skip
+"""With their units."""
 
 
 def names(kind: str, causality: str, dropped: tuple[str, ...] = ()) -> list[str]:
@@ -38,8 +46,8 @@ def names(kind: str, causality: str, dropped: tuple[str, ...] = ()) -> list[str]
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_scene_has_its_own_variables_and_no_other(kind: str) -> None:
     assert names(kind, "input") == FORCES[kind]
-    assert set(names(kind, "parameter")) == COMMON | PARAMETERS[kind]
-    assert set(names(kind, "output")) == {*OUTPUTS, "solver.steps", "solver.rejected", "solver.rhs"}
+    assert set(names(kind, "parameter")) == {"solver"} | COMMON | PARAMETERS[kind]
+    assert set(names(kind, "output")) == {*OUTPUTS, *HEALTH}
     assert names(kind, "independent") == ["time"]
 
 
@@ -67,10 +75,44 @@ def test_any_output_can_be_dropped(name: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_units_and_directions_are_said(kind: str) -> None:
-    for variable in variables_of(small_scene(kind).cable):
-        assert variable.unit in UNITS
-        if variable.kind not in (Kind.TIME, Kind.PARAMETER, Kind.SOLVER):
+    plain = (Kind.TIME, Kind.PARAMETER, Kind.SOLVER, Kind.SOLVER_CHOICE, Kind.STATICS)
+    for variable in variables_of(from_equilibrium(small_scene(kind)).cable):
+        assert variable.enumeration or variable.unit in UNITS
+        if variable.kind not in plain:
             assert variable.description.endswith("; x right, y down")
+
+
+def test_health_outputs_say_where_they_are_kept() -> None:
+    health = [v for v in variables_of(small_scene("load").cable) if v.name in HEALTH]
+    assert {v.name: v.unit for v in health} == HEALTH
+    assert all(v.description.endswith("; Co-Simulation only: stays 0 in Model Exchange") for v in health)
+
+
+@pytest.mark.parametrize("choice", SolverChoice)
+def test_the_solver_is_an_enumeration(choice: SolverChoice) -> None:
+    cable = replace(small_scene("load").cable, solver=choice)
+    (solver,) = [v for v in variables_of(cable) if v.name == "solver"]
+    assert (solver.causality, solver.variability, solver.initial) == ("parameter", "fixed", "exact")
+    assert solver.enumeration is not None
+    assert [(item.name, item.value) for item in solver.enumeration.items] == [
+        ("automatic", 1), ("explicit", 2), ("implicit", 3)
+    ]  # fmt: skip
+    assert all(item.description for item in solver.enumeration.items)
+    assert solver.start == solver.enumeration.value_of(choice)
+    assert solver.description.endswith("Model Exchange does not use it")
+
+
+def test_a_start_from_equilibrium_is_told() -> None:
+    """The start values are a guess then, and how good the equilibrium is comes as outputs that stay."""
+    shape = small_scene("load").cable
+    sought = from_equilibrium(small_scene("load")).cable
+    more = [v for v in variables_of(sought) if v.name not in {v.name for v in variables_of(shape)}]
+    assert [(v.name, v.unit) for v in more] == [("statics.residual", "1"), ("statics.iterations", "1")]
+    assert {(v.causality, v.variability, v.initial) for v in more} == {("output", "discrete", "calculated")}
+    assert {v.initial for v in variables_of(sought) if v.kind is Kind.STATE} == {"approx"}
+    assert {v.initial for v in variables_of(shape) if v.kind is Kind.STATE} == {"exact"}
+    without = variables_of(sought, ("statics.residual",))
+    assert [v.name for v in without if v.kind is Kind.STATICS] == ["statics.iterations"]
 
 
 def test_the_table_is_read_whole() -> None:
@@ -80,7 +122,8 @@ def test_the_table_is_read_whole() -> None:
     text = (files("cablefmu") / "binaries" / "variables.def").read_text(encoding="utf-8")
     rows = table()
     for kind, found in (
-        ("PARAMETER", rows.parameters), ("INPUT", rows.inputs), ("OUTPUT", rows.outputs), ("SOLVER", rows.solver)
+        ("PARAMETER", rows.parameters), ("INPUT", rows.inputs), ("OUTPUT", rows.outputs), ("SOLVER", rows.solver),
+        ("STATICS", rows.statics),
     ):  # fmt: skip
         assert len(found) == sum(line.startswith(f"{kind}(") for line in text.splitlines())
         assert [row.slot for row in found.values()] == list(range(len(found)))
