@@ -95,6 +95,16 @@ static Status refuse_value(Instance *instance, const Variable *variable, double 
     return refuse(instance, variable, &number, expected);
 }
 
+/* Counters as the solver left them; the energy of the present state is no business of its own. */
+static bool get_health(Instance *instance, uint32_t index, double *value)
+{
+    *value = instance->solver.counter[index];
+    if (index != SOLVER_energy_residual || !instance->solver.energy.has_start) return true;
+    if (!refresh_outputs(instance, false)) return false;
+    *value = solver_energy_residual(&instance->solver, instance->output[Y_energy]);
+    return true;
+}
+
 static bool get_one(Instance *instance, const Variable *variable, double *value)
 {
     switch (variable->kind) {
@@ -110,7 +120,7 @@ static bool get_one(Instance *instance, const Variable *variable, double *value)
         *value = instance->statics[variable->index];
         return true;
     case VARIABLE_SOLVER_CHOICE: return refuse(instance, variable, NULL, NOT_A_NUMBER) == STATUS_OK;
-    case VARIABLE_SOLVER: *value = instance->solver.counter[variable->index]; return true;
+    case VARIABLE_SOLVER: return get_health(instance, variable->index, value);
     case VARIABLE_DERIVATIVE:
         if (!refresh_derivatives(instance)) return false;
         *value = instance->derivative[variable->index];

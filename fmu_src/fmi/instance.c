@@ -37,10 +37,21 @@ bool instance_allows(Instance *instance, unsigned modes, const char *call)
     return false;
 }
 
+static bool offers_energy_residual(const Resource *resource)
+{
+    for (uint32_t k = 0; k < resource->variables; k++) {
+        const Variable *variable = &resource->variable[k];
+        if (variable->kind == VARIABLE_SOLVER && variable->index == SOLVER_energy_residual) return true;
+    }
+    return false;
+}
+
 /* Nothing of an earlier run is left in the solver's memory. */
 static void start_solver(Instance *instance, SolverChoice choice, double tolerance)
 {
     instance->solver = (SolverMemory){.choice = choice, .tolerance = tolerance};
+    instance->solver.energy.is_kept =
+        instance->interface == CO_SIMULATION && offers_energy_residual(&instance->resource);
     solver_restart(&instance->solver);
 }
 

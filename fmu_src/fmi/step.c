@@ -81,7 +81,7 @@ Status instance_step(Instance *instance, double communication_point, double step
 {
     if (check_step(instance, communication_point, step) != STATUS_OK) return STATUS_ERROR;
     refresh_model(instance);
-    const System system = {&instance->model, &instance->work, inputs_at, instance};
+    const System system = {&instance->model, &instance->work, &instance->linear, inputs_at, instance};
     const double end = communication_point + step;
     instance->step_start = instance->time;
     const SolverStatus status =

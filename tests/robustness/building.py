@@ -73,7 +73,8 @@ def scene_words(folder: Path) -> list[str]:
     """
     description = read_model_description(str(folder))
     reference = {v.name: v.valueReference for v in description.modelVariables}
-    numbers = (max(reference.values()) + 1, description.numberOfContinuousStates, reference["u_m1"], reference["M_1"])
+    known = (reference[name] for name in ("u_m1", "M_1", "solver"))
+    numbers = (max(reference.values()) + 1, description.numberOfContinuousStates, *known)
     return [str(folder / "resources"), description.guid, *map(str, numbers)]
 
 

@@ -1,5 +1,5 @@
 /*
- * host TASK NUMBER LOCALE {LOCATION TOKEN VARIABLES STATES FORCE MASS} ...
+ * host TASK NUMBER LOCALE {LOCATION TOKEN VARIABLES STATES FORCE MASS SOLVER} ...
  *
  *   tour         every scene through every API, with everything printed
  *   interleaved  NUMBER instances, one step of each in turn
@@ -202,13 +202,13 @@ static void growth(int count)
 
 static void read_scenes(int count, char **argument)
 {
-    enum { EACH = 6 };
+    enum { EACH = 7, NUMBERS = EACH - 2 };
     scene_count = count / EACH;
-    if (count % EACH || scene_count < 1 || scene_count > MOST_SCENES) give_up("six words for each scene", "usage");
+    if (count % EACH || scene_count < 1 || scene_count > MOST_SCENES) give_up("seven words for each scene", "usage");
     for (int k = 0; k < scene_count; k++, argument += EACH) {
-        uint32_t number[4];
-        for (int i = 0; i < 4; i++) number[i] = (uint32_t)strtoul(argument[2 + i], NULL, 10);
-        scenes[k] = (Scene){argument[0], argument[1], number[0], number[1], number[2], number[3]};
+        uint32_t number[NUMBERS];
+        for (int i = 0; i < NUMBERS; i++) number[i] = (uint32_t)strtoul(argument[2 + i], NULL, 10);
+        scenes[k] = (Scene){argument[0], argument[1], number[0], number[1], number[2], number[3], number[4]};
         if (number[0] > MOST_VARIABLES || number[1] > MOST_STATES) give_up("too large a scene", argument[0]);
     }
 }

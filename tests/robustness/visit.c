@@ -59,6 +59,19 @@ void must_be_refused(Visit *visit, int status, const char *call)
     if (status != 3) give_up("not refused", call);
 }
 
+size_t real_variables(const Scene *scene, uint32_t *reference)
+{
+    size_t count = 0;
+    for (uint32_t k = 0; k < scene->variables; k++)
+        if (k != scene->solver) reference[count++] = k;
+    return count;
+}
+
+int choice_for(double mass)
+{
+    return 1 + (int)mass % 3;
+}
+
 double force_at(int k)
 {
     return 100.0 * (k * 7 % 11 - 5);

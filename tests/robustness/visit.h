@@ -17,7 +17,7 @@ static const double STEP = 0.0625; /* [s], exact in binary */
 typedef struct {
     const char *location, *token; /* of the resources */
     uint32_t variables, states;   /* how many; value references are 0 ... variables - 1 */
-    uint32_t force, mass;         /* value references of u_m1 and M_1 */
+    uint32_t force, mass, solver; /* value references of u_m1, M_1 and the enumeration solver */
 } Scene;
 
 typedef struct {
@@ -64,6 +64,12 @@ _Noreturn void give_up(const char *what, const char *detail);
 /* Statuses 0 = OK and 3 = Error are the same in both versions of FMI. */
 void must_be_ok(Visit *visit, int status, const char *call);
 void must_be_refused(Visit *visit, int status, const char *call);
+
+/* References of all real variables, reference[MOST_VARIABLES]; how many. */
+size_t real_variables(const Scene *scene, uint32_t *reference);
+
+/* One of the solvers 1, 2, 3 for each mass that a host sets, so that visits beside each other differ in both. */
+int choice_for(double mass);
 
 /* A force over time that needs no library: -500 ... 500 N. */
 double force_at(int k);

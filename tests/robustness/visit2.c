@@ -53,16 +53,20 @@ static void read_all(Visit *visit)
 {
     fmi2ValueReference reference[MOST_VARIABLES];
     double value[MOST_VARIABLES];
-    const uint32_t count = visit->scene->variables;
-    for (uint32_t k = 0; k < count; k++) reference[k] = k;
+    const size_t count = real_variables(visit->scene, reference);
+    fmi2Integer choice;
     must_be_ok(visit, (int)fmi2GetReal(visit->component, reference, count, value), "fmi2GetReal");
     note_values(&visit->account, value, count);
+    must_be_ok(visit, (int)fmi2GetInteger(visit->component, &visit->scene->solver, 1, &choice), "fmi2GetInteger");
+    note_status(&visit->account, (int)choice);
 }
 
 static void start_cs(Visit *visit, double mass)
 {
     fmi2Component c = visit->component;
+    const fmi2Integer choice = choice_for(mass);
     set(visit, visit->scene->mass, mass);
+    must_be_ok(visit, (int)fmi2SetInteger(c, &visit->scene->solver, 1, &choice), "fmi2SetInteger");
     must_be_ok(visit, (int)fmi2SetupExperiment(c, fmi2True, 1e-4, 0.0, fmi2False, 0.0), "fmi2SetupExperiment");
     must_be_ok(visit, (int)fmi2EnterInitializationMode(c), "fmi2EnterInitializationMode");
     set(visit, visit->scene->force, force_at(0));

@@ -75,16 +75,20 @@ static void read_all(Visit *visit)
 {
     fmi3ValueReference reference[MOST_VARIABLES];
     double value[MOST_VARIABLES];
-    const uint32_t count = visit->scene->variables;
-    for (uint32_t k = 0; k < count; k++) reference[k] = k;
+    const size_t count = real_variables(visit->scene, reference);
+    fmi3Int64 choice;
     must_be_ok(visit, (int)fmi3GetFloat64(visit->component, reference, count, value, count), "fmi3GetFloat64");
     note_values(&visit->account, value, count);
+    must_be_ok(visit, (int)fmi3GetInt64(visit->component, &visit->scene->solver, 1, &choice, 1), "fmi3GetInt64");
+    note_status(&visit->account, (int)choice);
 }
 
 static void start_cs(Visit *visit, double mass)
 {
     fmi3Instance c = visit->component;
+    const fmi3Int64 choice = choice_for(mass);
     set(visit, visit->scene->mass, mass);
+    must_be_ok(visit, (int)fmi3SetInt64(c, &visit->scene->solver, 1, &choice, 1), "fmi3SetInt64");
     must_be_ok(visit, (int)fmi3EnterInitializationMode(c, true, 1e-4, 0.0, false, 0.0), "fmi3EnterInitializationMode");
     set(visit, visit->scene->force, force_at(0));
     read_all(visit);

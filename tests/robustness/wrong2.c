@@ -61,7 +61,8 @@ void fmi2_every_refusal(Visit *visit)
     const double negative = -0.5, one = 1.0;
     double value[MOST_STATES + 1] = {0.0};
     const fmi2ValueReference beyond = scene->variables, far_beyond = UINT32_MAX, time = 0;
-    const fmi2Integer zero = 0, nine = 9, low = INT32_MIN;
+    const fmi2Integer zero = 0, nine = 9, low = INT32_MIN, explicit_solver = 2;
+    fmi2Integer choice;
     must_be_refused(visit, (int)fmi2SetReal(c, &scene->mass, 1, &negative), "a mass below 0");
     must_be_refused(visit, (int)fmi2SetReal(c, &time, 1, &one), "setting the time as a variable");
     must_be_refused(visit, (int)fmi2GetReal(c, &beyond, 1, value), "the reference behind the last");
@@ -79,7 +80,16 @@ void fmi2_every_refusal(Visit *visit)
     must_be_refused(visit, (int)fmi2GetContinuousStates(c, value, scene->states + 1), "a state too many");
     must_be_refused(visit, (int)fmi2GetContinuousStates(c, value, SIZE_MAX), "states without number");
     must_be_refused(visit, (int)fmi2GetNominalsOfContinuousStates(c, value, scene->states - 1), "a state too few");
-    must_be_refused(visit, (int)fmi2GetInteger(c, &time, 1, NULL), "an integer");
+    must_be_refused(visit, (int)fmi2GetInteger(c, &time, 1, &choice), "the time as an integer");
+    must_be_refused(visit, (int)fmi2GetInteger(c, &beyond, 1, &choice), "the reference behind the last");
+    must_be_refused(visit, (int)fmi2GetInteger(c, &scene->solver, 1, NULL), "no integers");
+    must_be_refused(visit, (int)fmi2GetReal(c, &scene->solver, 1, value), "an enumeration as a real number");
+    must_be_refused(visit, (int)fmi2SetReal(c, &scene->solver, 1, &one), "an enumeration as a real number");
+    must_be_refused(visit, (int)fmi2SetInteger(c, &scene->solver, 1, &zero), "the item before the first");
+    must_be_refused(visit, (int)fmi2SetInteger(c, &scene->solver, 1, &nine), "an item behind the last");
+    must_be_refused(visit, (int)fmi2SetInteger(c, &scene->solver, 1, &low), "the least integer");
+    must_be_refused(visit, (int)fmi2SetInteger(c, &scene->mass, 1, &explicit_solver), "a real number as an integer");
+    must_be_refused(visit, (int)fmi2GetBoolean(c, &time, 1, NULL), "a Boolean");
     must_be_refused(visit, (int)fmi2DoStep(c, 0.0, STEP, fmi2True), "a step before initialization");
     must_be_refused(visit, (int)fmi2NewDiscreteStates(c, NULL), "an event before initialization");
     must_be_refused(visit, (int)fmi2SetupExperiment(c, fmi2True, -1e-3, 0.0, fmi2False, 0.0), "a tolerance below 0");

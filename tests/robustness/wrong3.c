@@ -88,6 +88,8 @@ void fmi3_every_refusal(Visit *visit)
     const Scene *scene = visit->scene;
     fmi3Instance c = visit->component;
     const double negative = -0.5, one = 1.0;
+    const fmi3Int64 zero = 0, explicit_solver = 2, low = INT64_MIN, high = INT64_MAX;
+    fmi3Int64 choice;
     double value[MOST_STATES + 1] = {0.0};
     const fmi3ValueReference beyond = scene->variables, far_beyond = UINT32_MAX, time = 0;
     must_be_refused(visit, (int)fmi3SetFloat64(c, &scene->mass, 1, &negative, 1), "a mass below 0");
@@ -103,7 +105,17 @@ void fmi3_every_refusal(Visit *visit)
     must_be_refused(visit, (int)fmi3GetContinuousStates(c, value, scene->states + 1), "a state too many");
     must_be_refused(visit, (int)fmi3GetContinuousStates(c, value, SIZE_MAX), "states without number");
     must_be_refused(visit, (int)fmi3GetNominalsOfContinuousStates(c, value, scene->states - 1), "a state too few");
-    must_be_refused(visit, (int)fmi3GetInt32(c, &time, 1, NULL, 1), "an integer");
+    must_be_refused(visit, (int)fmi3GetInt64(c, &time, 1, &choice, 1), "the time as an integer");
+    must_be_refused(visit, (int)fmi3GetInt64(c, &beyond, 1, &choice, 1), "the reference behind the last");
+    must_be_refused(visit, (int)fmi3GetInt64(c, &scene->solver, 1, NULL, 1), "no integers");
+    must_be_refused(visit, (int)fmi3GetInt64(c, &scene->solver, 1, &choice, 2), "more values than references");
+    must_be_refused(visit, (int)fmi3GetFloat64(c, &scene->solver, 1, value, 1), "an enumeration as a real number");
+    must_be_refused(visit, (int)fmi3SetFloat64(c, &scene->solver, 1, &one, 1), "an enumeration as a real number");
+    must_be_refused(visit, (int)fmi3SetInt64(c, &scene->solver, 1, &zero, 1), "the item before the first");
+    must_be_refused(visit, (int)fmi3SetInt64(c, &scene->solver, 1, &high, 1), "the largest integer");
+    must_be_refused(visit, (int)fmi3SetInt64(c, &scene->solver, 1, &low, 1), "the least integer");
+    must_be_refused(visit, (int)fmi3SetInt64(c, &scene->mass, 1, &explicit_solver, 1), "a real number as an integer");
+    must_be_refused(visit, (int)fmi3GetInt32(c, &time, 1, NULL, 1), "an integer of 32 bits");
     must_be_refused(visit, (int)fmi3DoStep(c, 0.0, STEP, true, NULL, NULL, NULL, NULL), "a step before initialization");
     must_be_refused(visit, (int)fmi3EnterInitializationMode(c, true, -1e-3, 0.0, false, 0.0), "a tolerance below 0");
     if (fmi3InstantiateScheduledExecution("visitor", scene->token, scene->location, false, true, NULL, NULL, NULL, NULL,
