@@ -106,6 +106,14 @@ def test_options_reach_the_run(command: Command) -> None:
     assert told == {"fmi": 3, "interface": "me", "tolerance": 1e-8, "set": "m_c=70.0 u_m1=5.0"}
 
 
+def test_a_solver_is_set_by_name(command: Command) -> None:
+    command("run", "load.toml", "--stop-time", "0.4", "--set", "solver=implicit", "m_c=70", "-o", "x.csv")
+    assert (command.status, command.err) == (0, "")
+    assert json.loads(Path("x.csv.json").read_text())["set"] == "solver=implicit m_c=70.0"
+    rows = np.genfromtxt("x.csv", delimiter=",", names=True, deletechars="")
+    assert rows["solver.stiff"].tolist() == [0.0, 1.0, 1.0, 1.0, 1.0]
+
+
 def test_an_fmu_runs_as_its_scene_does(command: Command) -> None:
     command("build", "load.toml", "-o", "moved.fmu")
     Path("load.toml").rename("other.toml")
@@ -176,6 +184,12 @@ WRONG = {
         (["run", "load.toml", "--set", "m_x=1"], "set m_x: there is no such variable; did you mean m_c?"),
         (["run", "load.toml", "--set", "m_c=1", "m_c=2"], "m_c was set before in the same command"),
         (["run", "load.toml", "--set", "m_c=-5"], "set m_c=-5.0: a number above 0 [kg] is expected"),
+        (["run", "load.toml", "--set", "solver=fast"], "set solver=fast: one of automatic, explicit, implicit is"),
+        (["run", "load.toml", "--set", "solver=3"], "set solver=3: one of automatic, explicit, implicit is expected"),
+        (["run", "load.toml", "--set", "solver="], "set solver=: one of automatic, explicit, implicit is expected"),
+        (["run", "load.toml", "--set", "solver"], "set solver: NAME=VALUE"),
+        (["run", "load.toml", "--set", "m_c=implicit"], "set m_c=implicit: NAME=VALUE with a number"),
+        (["run", "load.toml", "--set", "solver=implicit", "solver=explicit"], "solver was set before in the same"),
     ],
     "lists": [
         (["run", "load.toml", "--set"], "set: at least one value is expected behind it"),

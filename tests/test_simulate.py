@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from cablefmu.cable import SolverChoice
 from cablefmu.errors import CableError, FmuError, OptionError, RunError, SceneError
 from cablefmu.fmu.archive import build_fmu
 from cablefmu.fmu.table import table
@@ -158,6 +159,23 @@ def test_parameters_inputs_and_start_values_can_be_set() -> None:
         np.testing.assert_allclose(was_set[name], was_built[name], rtol=1e-12)
 
 
+@pytest.mark.parametrize(("fmi", "interface"), WAYS)
+def test_the_solver_is_set_by_name(fmi: int, interface: str) -> None:
+    """In Model Exchange as well, where it changes nothing: the same settings do for both."""
+    runs = {
+        name: simulate(small_scene("load"), fmi=fmi, interface=interface, tolerance=1e-8, parameters={"solver": name})
+        for name in SolverChoice
+    }
+    assert {name: run.attrs["set"] for name, run in runs.items()} == {name: f"solver={name}" for name in runs}
+    jacobians = {name: float(run["solver.jacobians"][-1]) for name, run in runs.items()}
+    assert jacobians["explicit"] == 0.0
+    assert (jacobians["implicit"] > 0.0) == (interface == "cs")
+    for run in runs.values():
+        # Two methods that share no formula: a hundred times the tolerance, over two seconds.
+        np.testing.assert_allclose(run["x_c"], runs[SolverChoice.EXPLICIT]["x_c"], rtol=0.0, atol=1e-6)
+        assert interface == "cs" or run["x_c"].equals(runs[SolverChoice.EXPLICIT]["x_c"])
+
+
 def test_a_set_force_is_constant_in_place_of_the_scenes() -> None:
     result = simulate(jumping(), parameters={"u_m1": 5.0}, record=["u_m1"])
     assert np.all(result["u_m1"] == 5.0)
@@ -177,6 +195,11 @@ WRONG: list[tuple[dict[str, Any], type[CableError], str]] = [
     ({"parameters": {"m_c": math.nan}}, OptionError, r"set m_c=nan: a finite number \[kg\]"),
     ({"parameters": {"m_c": -1.0}}, OptionError, r"set m_c=-1.0: a number above 0 \[kg\] is expected"),
     ({"parameters": {"c_m1": -1.0}}, OptionError, r"set c_m1=-1.0: a number of 0 or more \[N.s/m\] is expected"),
+    ({"parameters": {"m_c": "heavy"}}, OptionError, r"set m_c=heavy: a finite number \[kg\] is expected"),
+    ({"parameters": {"solver": "fast"}}, OptionError, "set solver=fast: one of automatic, explicit, implicit"),
+    ({"parameters": {"solver": 2}}, OptionError, "set solver=2: one of automatic, explicit, implicit"),
+    ({"parameters": {"solver.steps": 2.0}}, OptionError, r"set solver.steps: it is calculated"),
+    ({"record": ["solver"]}, OptionError, "record solver: it is a fixed choice, not a number over time"),
     ({"record": ["theta[6]"]}, OptionError, r"record theta\[6\]: there is no such variable; did you mean theta\["),
     ({"record": ["time"]}, OptionError, "record time: there is no such variable"),
 ]

@@ -15,7 +15,7 @@ from tests.fmu_helpers import Host, small_scene, with_parameters
 both = pytest.mark.parametrize("fmi", [2, 3])
 interfaces = pytest.mark.parametrize("interface", ["cs", "me"])
 KINDS = ("air", "load", "load-volume", "anchor-spring", "floater")
-"""An anchor of mass is left out: nothing but its inertia holds it, and it rests nowhere but below the floater."""
+"""An anchor of mass is held where it stands, and gives way by what pulls at it over that mass: no full balance."""
 
 BALANCE = 1e-7
 """Largest acceleration left [m/s2, rad/s2]: 1e-8 of gravity, well above the rounding of kilonewtons on kilograms."""

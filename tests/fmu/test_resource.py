@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cablefmu.cable import Initial, SolverChoice, Terminal
+from cablefmu.cable import Initial, SolverChoice
 from cablefmu.fmu.resource import resource_bytes, token_of
 from cablefmu.fmu.table import table
 from cablefmu.fmu.variables import variables_of
-from tests.fmu_helpers import KINDS, small_scene
+from tests.fmu_helpers import KINDS, pinned_scene, small_scene
 
 TERMINALS = {"air": 0, "load": 0, "load-volume": 0, "anchor-mass": 1, "anchor-spring": 2, "floater": 3}
 
@@ -51,7 +51,7 @@ def test_choices_stand_behind_the_counts(choice: str, number: int, initial: str,
 
 
 def test_a_pin_has_its_place() -> None:
-    cable = replace(small_scene("anchor-mass").cable, terminal=Terminal.PIN, rest_position=(12.0, 13.0))
+    cable = pinned_scene().cable
     data = resource_bytes(cable, variables_of(cable))
     assert struct.unpack_from("<I", data, 16) == (4,)
     place = 56 + 8 * (len(table().parameters) + len(table().inputs))

@@ -24,7 +24,7 @@ from cablefmu.errors import FmuError, OptionError, SceneError
 from cablefmu.fmu.twin import build_twin, scene_of_twin
 from cablefmu.scene import Scene, load_scene
 from tests.fmu.test_archive import second_checker
-from tests.fmu_helpers import KINDS, SCENES, Host, small_scene, unpack
+from tests.fmu_helpers import KINDS, SCENES, Host, from_equilibrium, small_scene, unpack
 
 NAMES = (*KINDS, "free-12-water")
 """Every terminal with five links, and a cable of 240 m that ships."""
@@ -273,6 +273,17 @@ def test_what_a_twin_cannot_do(tmp_path: Path, both: Unpacked) -> None:
         build_twin("free", tmp_path / "x.fmu")
     with pytest.raises(OptionError, match="is a folder, a file name is expected"):
         build_twin("free-12-air", tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_twin_has_no_solver_to_choose_and_seeks_no_equilibrium(tmp_path: Path, both: Unpacked) -> None:
+    path = both("load")[1].with_suffix(".fmu")
+    with pytest.raises(OptionError, match="set solver: there is no such variable"):
+        cablefmu.simulate(path, parameters={"solver": "implicit"})
+    with pytest.raises(OptionError, match=r"record solver\.steps: there is no such variable"):
+        cablefmu.simulate(path, record=["solver.steps"])
+    with pytest.raises(SceneError, match=r'load: run.initial = "equilibrium": a twin starts from the shape'):
+        build_twin(from_equilibrium(small_scene("load")), tmp_path / "x.fmu")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -19,7 +19,8 @@ from xml.etree import ElementTree as ET
 from pythonfmu import FmuBuilder
 
 from .. import __version__
-from ..errors import FmuError
+from ..cable import Initial
+from ..errors import FmuError, SceneError
 from ..files import check_writable, replacing
 from ..scene import Scene, load_scene
 from .archive import write_zip
@@ -63,12 +64,16 @@ def build_twin(scene: Scene | str | Path, output: str | Path | None = None) -> P
     Raises
     ------
     SceneError
-        If the scene is not in order.
+        If the scene is not in order, or starts from an equilibrium, which the reference model does not look for.
     OptionError
         If the file cannot be written.
     """
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
+    if scene.cable.initial is Initial.EQUILIBRIUM:
+        raise SceneError(
+            f'{scene.name}: run.initial = "equilibrium": a twin starts from the shape; "shape" is expected for a twin'
+        )
     path = Path(output) if output is not None else Path("build") / f"{scene.name}-twin.fmu"
     check_writable(path)
     members = _packed(scene)
