@@ -27,6 +27,16 @@ static bool inputs_at(void *source, double time, double *u)
     return true;
 }
 
+/* Whether nothing was said of the inputs but their present values. */
+static bool inputs_rest(const Instance *instance)
+{
+    if (instance->host.intermediate) return false;
+    for (int order = 0; order < INPUT_ORDERS; order++)
+        for (int k = 0; k < INPUT_COUNT; k++)
+            if (instance->u_derivative[order][k] != 0.0) return false;
+    return true;
+}
+
 static const char *reason(SolverStatus status)
 {
     switch (status) {
@@ -81,7 +91,8 @@ Status instance_step(Instance *instance, double communication_point, double step
 {
     if (check_step(instance, communication_point, step) != STATUS_OK) return STATUS_ERROR;
     refresh_model(instance);
-    const System system = {&instance->model, &instance->work, &instance->linear, inputs_at, instance};
+    const System system = {&instance->model, &instance->work, &instance->linear,
+                           inputs_at,        instance,        inputs_rest(instance)};
     const double end = communication_point + step;
     instance->step_start = instance->time;
     const SolverStatus status =

@@ -132,6 +132,19 @@ def test_the_header_is_checked_even_if_the_token_fits(entry: str, value: int, sp
 
 
 @both
+def test_scenes_that_seek_no_equilibrium_tell_nothing_of_it(
+    fmi: int, unpacked_from_equilibrium: Unpacked, tmp_path: Path
+) -> None:
+    """Else the FMU would have an output that nobody works out."""
+    folder = Path(shutil.copytree(unpacked_from_equilibrium("load", fmi), tmp_path / "fmu"))
+    resource = folder / "resources" / "cable.bin"
+    content = bytearray(resource.read_bytes())
+    struct.pack_into("<I", content, HEADER["initial"], 0)
+    resource.write_bytes(content)
+    assert "holds impossible values" in refusal(folder, token=token_of(bytes(content)))
+
+
+@both
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0])
 def test_impossible_lengths_are_refused_even_if_the_token_fits(value: float, spoilt: Path, fmi: int) -> None:
     resource = spoilt / "resources" / "cable.bin"
