@@ -14,11 +14,11 @@ import pytest
 from fmpy import extract, fmi2, fmi3, read_model_description
 from fmpy.fmi1 import FMICallException
 
-from cablefmu.cable import Floats, Initial, Terminal
+from cablefmu.cable import Floats
 from cablefmu.fmu.archive import build_fmu
 from cablefmu.scene import Scene
 
-__all__ = ["KINDS", "SCENES", "Host", "from_equilibrium", "pinned_scene", "small_scene", "unpack", "with_parameters"]
+__all__ = ["KINDS", "SCENES", "Host", "from_equilibrium", "small_scene", "unpack", "with_parameters"]
 
 _CABLE = """
 format = 1
@@ -54,6 +54,7 @@ SCENES = {
     "load-volume": _CABLE + _WATER + _LOAD + "volume = 0.01\n" + _HANGING,
     "anchor-mass": _CABLE + _WATER + '[terminal]\nkind = "anchor-mass"\nmass = 1e4\n' + _HELD,
     "anchor-spring": _CABLE + _WATER + '[terminal]\nkind = "anchor-spring"\nmass = 60\ndensity = 7850\n' + _SPRINGS,
+    "pin": _CABLE + _WATER + '[terminal]\nkind = "pin"\n' + _HELD,
     "floater": _CABLE + _WATER + '[terminal]\nkind = "floater"\nmass = 500\nhorizontal_force = true\n' + _SPRINGS,
 }
 KINDS = tuple(SCENES)
@@ -71,15 +72,7 @@ def with_parameters(scene: Scene, **values: float) -> Scene:
 
 def from_equilibrium(scene: Scene) -> Scene:
     """The same scene, its run starting from the equilibrium near its shape."""
-    return replace(scene, cable=replace(scene.cable, initial=Initial.EQUILIBRIUM))
-
-
-def pinned_scene() -> Scene:
-    """The anchor of mass held by a pin instead, where it stands."""
-    scene = small_scene("anchor-mass")
-    parameters = {name: value for name, value in scene.cable.parameters.items() if name != "m_c"}
-    cable = replace(scene.cable, terminal=Terminal.PIN, parameters=parameters, rest_position=(12.0, 13.0))
-    return replace(scene, name="pin", cable=cable)
+    return Scene.from_text(scene.text.replace("[run]\n", '[run]\ninitial = "equilibrium"\n'), name=scene.name)
 
 
 def unpack(scene: Scene, folder: Path, fmi: int) -> Path:

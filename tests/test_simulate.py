@@ -20,7 +20,7 @@ from cablefmu.scene import Scene
 from cablefmu.signals import Constant
 from cablefmu.simulate import simulate
 from tests.fmu.test_archive import rewrite
-from tests.fmu_helpers import KINDS, SCENES, small_scene, with_parameters
+from tests.fmu_helpers import KINDS, SCENES, from_equilibrium, small_scene, with_parameters
 
 WAYS = [(2, "cs"), (2, "me"), (3, "cs"), (3, "me")]
 SINE = '{ signal = "sine", amplitude = 800, frequency = 0.5 }'
@@ -232,6 +232,28 @@ def test_what_cannot_be_run(tmp_path: Path) -> None:
     with pytest.raises(FmuError, match=r"does not belong to cable\.bin"):
         simulate(rewrite(path, {b'guid="{': b'guid="{0'}, tmp_path))
     assert Path.cwd() == before
+
+
+# --- runs that start from equilibrium ---
+
+
+def test_four_ways_start_from_one_equilibrium() -> None:
+    scene = from_equilibrium(small_scene("floater"))
+    runs = [simulate(scene, fmi=fmi, interface=interface, tolerance=1e-9) for fmi, interface in WAYS]
+    for run in runs:
+        assert float(run["vx_c"][0]) == 0.0
+        assert len(set(run["statics.residual"].values)) == 1, "it stays as it was at the start"
+        assert float(run["statics.residual"][0]) < 1e-7
+        for name in ("y_m1", "x_c", "y_c"):
+            np.testing.assert_allclose(run[name], runs[0][name], rtol=0.0, atol=2e-6)
+
+
+@pytest.mark.parametrize(("fmi", "interface"), WAYS)
+def test_a_cable_that_nothing_holds_is_not_run(fmi: int, interface: str) -> None:
+    with pytest.raises(RunError, match="no stable equilibrium was found near the start shape at t = 0 s"):
+        simulate(
+            from_equilibrium(small_scene("load")), fmi=fmi, interface=interface, parameters={"k_m1": 0.0, "u_m1": 9.0}
+        )
 
 
 # --- runs that fail ---

@@ -14,7 +14,7 @@ from tests.fmu_helpers import Host, small_scene, with_parameters
 
 both = pytest.mark.parametrize("fmi", [2, 3])
 interfaces = pytest.mark.parametrize("interface", ["cs", "me"])
-KINDS = ("air", "load", "load-volume", "anchor-spring", "floater")
+KINDS = ("air", "load", "load-volume", "anchor-spring", "pin", "floater")
 """An anchor of mass is held where it stands, and gives way by what pulls at it over that mass: no full balance."""
 
 BALANCE = 1e-7

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from tests.fmu_helpers import Host, from_equilibrium, pinned_scene, unpack
+from tests.conftest import Unpacked
+from tests.fmu_helpers import Host
 
 both = pytest.mark.parametrize("fmi", [2, 3])
 
@@ -18,23 +15,10 @@ HOLDS = 1e-12
 """Of 20 m of cable: the kernel projects every step onto the pin to 1e-14 of the length; the rest is rounding."""
 
 
-@pytest.fixture(scope="module")
-def pinned(tmp_path_factory: pytest.TempPathFactory) -> Callable[[bool, int], Path]:
-    """pinned(at_rest, fmi): folder of the FMU, its run starting from equilibrium or from the shape."""
-    folders = {at_rest: tmp_path_factory.mktemp("pinned") for at_rest in (False, True)}
-
-    @cache
-    def build(at_rest: bool, fmi: int) -> Path:
-        scene = pinned_scene()
-        return unpack(from_equilibrium(scene) if at_rest else scene, folders[at_rest], fmi)
-
-    return build
-
-
 @both
 @pytest.mark.parametrize("solver", [1, 2, 3])
-def test_the_end_stays_in_co_simulation(solver: int, fmi: int, pinned: Callable[[bool, int], Path]) -> None:
-    with Host(pinned(False, fmi)) as host:
+def test_the_end_stays_in_co_simulation(solver: int, fmi: int, unpacked: Unpacked) -> None:
+    with Host(unpacked("pin", fmi)) as host:
         assert "m_c" not in host.reference and host.names("input") == ["u_m1"]
         host.set_choices(("solver", solver))
         host.initialize(u_m1=400.0)
@@ -47,9 +31,9 @@ def test_the_end_stays_in_co_simulation(solver: int, fmi: int, pinned: Callable[
 
 
 @both
-def test_the_end_is_not_accelerated_in_model_exchange(fmi: int, pinned: Callable[[bool, int], Path]) -> None:
+def test_the_end_is_not_accelerated_in_model_exchange(fmi: int, unpacked: Unpacked) -> None:
     """Velocity and place of P_n have no derivative: central differences along the motion find none."""
-    with Host(pinned(False, fmi), interface="me") as host:
+    with Host(unpacked("pin", fmi), interface="me") as host:
         host.initialize(u_m1=400.0)
         x, slope, h = host.states(), host.derivatives(), 1e-6
         ends = []
@@ -62,8 +46,8 @@ def test_the_end_is_not_accelerated_in_model_exchange(fmi: int, pinned: Callable
 
 @both
 @pytest.mark.parametrize("interface", ["cs", "me"])
-def test_it_hangs_from_the_pin_at_rest(interface: str, fmi: int, pinned: Callable[[bool, int], Path]) -> None:
-    with Host(pinned(True, fmi), interface=interface) as host:
+def test_it_hangs_from_the_pin_at_rest(interface: str, fmi: int, unpacked_from_equilibrium: Unpacked) -> None:
+    with Host(unpacked_from_equilibrium("pin", fmi), interface=interface) as host:
         host.initialize(u_m1=200.0)
         x, y, residual = host.get("x_c", "y_c", "statics.residual")
         heave, tension = host.get("y_m1", "tension_top")

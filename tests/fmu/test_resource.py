@@ -13,9 +13,9 @@ from cablefmu.cable import Initial, SolverChoice
 from cablefmu.fmu.resource import resource_bytes, token_of
 from cablefmu.fmu.table import table
 from cablefmu.fmu.variables import variables_of
-from tests.fmu_helpers import KINDS, pinned_scene, small_scene
+from tests.fmu_helpers import KINDS, small_scene
 
-TERMINALS = {"air": 0, "load": 0, "load-volume": 0, "anchor-mass": 1, "anchor-spring": 2, "floater": 3}
+TERMINALS = {"air": 0, "load": 0, "load-volume": 0, "anchor-mass": 1, "anchor-spring": 2, "floater": 3, "pin": 4}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -48,14 +48,6 @@ def test_layout(kind: str) -> None:
 def test_choices_stand_behind_the_counts(choice: str, number: int, initial: str, start: int) -> None:
     cable = replace(small_scene("load").cable, solver=SolverChoice(choice), initial=Initial(initial))
     assert struct.unpack_from("<II", resource_bytes(cable, variables_of(cable)), 48) == (number, start)
-
-
-def test_a_pin_has_its_place() -> None:
-    cable = pinned_scene().cable
-    data = resource_bytes(cable, variables_of(cable))
-    assert struct.unpack_from("<I", data, 16) == (4,)
-    place = 56 + 8 * (len(table().parameters) + len(table().inputs))
-    assert struct.unpack_from("<dd", data, place) == (12.0, 13.0)
 
 
 def test_the_token_is_a_uuid_of_the_content() -> None:

@@ -19,6 +19,7 @@ FORCES = {
     "load-volume": ["u_m1", "F_cx", "F_cy"],
     "anchor-mass": ["u_m1"],
     "anchor-spring": ["u_m1"],
+    "pin": ["u_m1"],
     "floater": ["u_m1", "u_m2", "F_cx"],
 }
 COMMON = {"g", "M_1", "k_m1", "c_m1", "static_load", "k_joint", "c_joint"}
@@ -29,6 +30,7 @@ PARAMETERS = {
     "load-volume": {"rho_w", "Cd", "m_c", "I_Rc", "V_c"},
     "anchor-mass": {"rho_w", "Cd", "m_c"},
     "anchor-spring": {"rho_w", "Cd", "m_c", "rho_c", "k_cH", "c_cH", "k_cV", "c_cV", *SPRING},
+    "pin": {"rho_w", "Cd"},
     "floater": {"rho_w", "Cd", "M_2", "k_m2H", "c_m2H", "k_m2V", "c_m2V", *SPRING},
 }
 OUTPUTS = ["y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c", "tension_top", "tension_end", "tension_max", "energy"]
