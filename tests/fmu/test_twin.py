@@ -96,7 +96,9 @@ def test_parameters_and_start_values_that_are_set_give_the_same(name: str, both:
         values |= {"theta[2]": cable.position[2] + 0.1, "omega[3]": 0.2, "y_m1": 0.05}
     was_set = drive(twin, **values)
     assert np.all(np.max(np.abs(drive(native, **values) - was_set), axis=0) < agreement(twin))
-    assert np.all(np.max(np.abs(drive(twin) - was_set), axis=0) > agreement(twin))
+    differs = np.max(np.abs(drive(twin) - was_set), axis=0) > agreement(twin)
+    # Place and velocity of a pinned end are four outputs that nothing changes.
+    assert np.count_nonzero(~differs) == (4 if name == "pin" else 0)
 
 
 # --- what a host sees ---
