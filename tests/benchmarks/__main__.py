@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.benchmarks import overhead, rhs, table_6_6, work_precision
+from tests.benchmarks import overhead, rhs, stiff, table_6_6, work_precision
 
 LINKS = 120
 REPEATS = 2_000
@@ -66,6 +66,8 @@ def main() -> None:
         "table_6_6": table_6_6.rows(),
         "work_precision": work_precision.rows(),
         "overhead": overhead.rows(),
+        "stiff": stiff.rows(),
+        "growth": stiff.growth(),
     }
     if len(sys.argv) > 1:
         results["peers"] = peers(sys.argv[1])
@@ -92,6 +94,14 @@ def print_tables(results: dict[str, object]) -> None:
     print("\n| 10 s of timing-120 | tolerance | CPU [ms] | error [m] |\n|---|---|---|---|")
     for row in results["work_precision"]:  # type: ignore[attr-defined]
         print(f"| {row['solver']} | {row['tolerance']:g} | {1e3 * row['seconds']:.1f} | {row['error_m']:.0e} |")
+    print("\n| stiff cables, 10 s | method | tolerance | CPU [ms] | steps | error [m] |\n|---|---|---|---|---|---|")
+    for row in results["stiff"]:  # type: ignore[attr-defined]
+        print(
+            f"| {row['case']} | {row['method']} | {row['tolerance']:g} | {1e3 * row['seconds']:.1f} | "
+            f"{row['steps']:.0f} | {row['error_m']:.0e} |"
+        )
+    growth: dict[str, float] = results["growth"]  # type: ignore[assignment]
+    print(f"\nAn implicit step costs n^{growth['exponent']:.3f}: {growth['seconds_per_step']} s")
     print("\n| overhead | seconds |\n|---|---|")
     for row in results["overhead"]:  # type: ignore[attr-defined]
         print(f"| {row['what']} | {row['seconds']:.2g} |")
