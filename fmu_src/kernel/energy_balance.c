@@ -69,10 +69,17 @@ static void forces_of(const double *u, double force[PLACES])
     force[0] = u[U_u_m1], force[1] = u[U_F_cx], force[2] = u[U_F_cy] + u[U_u_m2];
 }
 
-static void places_of(const Model *model, const double *x, const Work *work, double *place, double *speed)
+/* The terminal's is worth a sum over all links only where a force acts on it; else what stood there stays. */
+static void places_of(const Model *model, const double *x, const Work *work, bool terminal, double *place,
+                      double *speed)
 {
     place[0] = x[0], speed[0] = x[model->n + 1];
-    terminal_motion(model, x, work, place + 1, speed + 1);
+    if (terminal) terminal_motion(model, x, work, place + 1, speed + 1);
+}
+
+static bool pulls_terminal(const double *force)
+{
+    return force[1] != 0.0 || force[2] != 0.0;
 }
 
 static double simpson(double h, const double *force, const double *middle, const double *force_new, const double *place,
@@ -98,7 +105,8 @@ void energy_restart(const System *system, SolverMemory *memory, double t, const 
     energy->points = 0;
     remember_loss(energy, t, power_lost(system->model, x, system->work));
     forces_of(memory->slope_u, energy->force);
-    places_of(system->model, x, system->work, energy->place, energy->speed);
+    places_of(system->model, x, system->work, true, energy->place, energy->speed);
+    energy->place_is_old = false;
 }
 
 void energy_advance(const System *system, SolverMemory *memory, double t, const double *x)
@@ -113,7 +121,13 @@ void energy_advance(const System *system, SolverMemory *memory, double t, const 
     memcpy(middle, force, sizeof middle);
     if (memcmp(force, energy->force, sizeof force) != 0 && system->inputs(system->source, t - 0.5 * h, u))
         forces_of(u, middle);
-    places_of(system->model, x, system->work, place, speed);
+    memcpy(place, energy->place, sizeof place);
+    memcpy(speed, energy->speed, sizeof speed);
+    const bool pulled = pulls_terminal(force) || pulls_terminal(energy->force);
+    places_of(system->model, x, system->work, pulled, place, speed);
+    if (pulled && energy->place_is_old) /* a force that begins without a jump: it was zero there */
+        for (int k = 1; k < PLACES; k++) energy->place[k] = place[k] - h * speed[k], energy->speed[k] = speed[k];
+    energy->place_is_old = !pulled;
     energy->work += simpson(h, energy->force, middle, force, energy->place, place, energy->speed, speed);
     memcpy(energy->force, force, sizeof force);
     memcpy(energy->place, place, sizeof place);

@@ -56,6 +56,7 @@ typedef struct {
     double taken;                        /* by drag and dampers [J] */
     int points;                          /* of the history that follows, newest first */
     double time[4], loss[4];             /* power taken at these times [s], [W] */
+    bool place_is_old;                   /* the terminal's, where no force acts on it */
     double place[3], speed[3], force[3]; /* of floater 1 and the terminal, and the forces there, at the newest */
 } EnergyMemory;
 
