@@ -118,6 +118,7 @@ static void begin_window(ChoiceMemory *chosen, int attempts)
 static void keep_quiet(SolverMemory *memory, double h, double error)
 {
     ChoiceMemory *chosen = &memory->chosen;
+    if (h < NEAR * chosen->limit) chosen->lowest_error = HUGE_VAL; /* stable: errors grow with the step */
     chosen->lowest_error = fmin(chosen->lowest_error, fmax(error, ROUNDING / memory->tolerance));
     if (error > GROWN * chosen->lowest_error && chosen->limit > 0.0) {
         chosen->trust *= 0.5;
