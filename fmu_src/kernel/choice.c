@@ -17,9 +17,9 @@
  *     it pays. It may take a while until it has damped what the explicit one kept alive at the limit of its stability. So trials
  *     get longer, and rarer: each costs a tenth of the explicit steps before it, and these double from one to the next;
  *   - implicit, and steps no longer than h_s would cost less: back to the explicit method.
- * While nothing happens, an explicit step is kept below h_s, or rounding would grow up to the tolerance. The eigenvalue of largest
- * modulus need not be the one that bounds h: one with less damping may. So if errors grow although nothing happens, h_s was
- * too large, and from then on counts for less.
+ * While nothing happens and the inputs rest, an explicit step is kept below h_s, or rounding would grow up to the tolerance.
+ * The eigenvalue of largest modulus need not be the one that bounds h: one with less damping may. So if errors grow although
+ * nothing happens, h_s was too large, and from then on counts for less.
  */
 enum { EXPLICIT_WINDOW = 64, IMPLICIT_WINDOW = 16, TRIAL_WINDOW = 2 };
 enum { FIRST_INTERVAL = 256, LEAST_TRIAL = 4, STEPS_PER_TRIAL_STEP = 40 };
@@ -141,7 +141,7 @@ static void after_explicit(const System *system, SolverMemory *memory, const Vec
                            const double *x)
 {
     ChoiceMemory *chosen = &memory->chosen;
-    if (error < QUIET) keep_quiet(memory, h, error);
+    if (error < QUIET && system->inputs_rest) keep_quiet(memory, h, error);
     if (chosen->until_look > 0) return;
     const double mean = chosen->advance / chosen->tried;
     chosen->trust = fmin(1.0, 1.1 * chosen->trust);
