@@ -45,6 +45,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_free": (None, _POINTER),
     "probe_constants": (_SIZE, _POINTER, _POINTER),
     "probe_spoil_scratch": (None, _POINTER),
+    "probe_spoil_solver": (None, _POINTER),
     "probe_derivatives": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "probe_repeat": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_repeat_core": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
@@ -54,6 +55,9 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_repeat_linear": (None, _POINTER, _INT, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "probe_restart": (None, _POINTER, _DOUBLE, _INT),
+    "probe_forget": (None, _POINTER),
+    "probe_energy": (None, _POINTER, _ARRAY),
+    "probe_implicit_steps": (_DOUBLE, _POINTER, _DOUBLE, _DOUBLE, _INT, _INT, _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
     "probe_advance": (_INT, _POINTER, ctypes.POINTER(_DOUBLE), _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
     "probe_tableau": (_INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_rosenbrock_size": (ctypes.c_char_p, _INT, _ARRAY),
@@ -236,6 +240,10 @@ class Kernel:
         """Fill the scratch arrays with NaN."""
         self._library.probe_spoil_scratch(self._handle)
 
+    def spoil_solver(self) -> None:
+        """Fill the solver's vectors and the factors with NaN; to be followed by a start."""
+        self._library.probe_spoil_solver(self._handle)
+
     def start(
         self, time: float, q: Floats, v: Floats, *, tolerance: float, solver: SolverChoice = SolverChoice.EXPLICIT
     ) -> None:
@@ -243,11 +251,14 @@ class Kernel:
         self._time, self._x = ctypes.c_double(time), np.concatenate([q, v])
         self._library.probe_restart(self._handle, tolerance, list(SolverChoice).index(solver))
 
+    def forget(self, time: float, q: Floats, v: Floats) -> None:
+        """Another state at a time [s], for a solver that goes on with its settings and counters and nothing else."""
+        self._time, self._x = ctypes.c_double(time), np.concatenate([q, v])
+        self._library.probe_forget(self._handle)
+
     def advance(self, end: float, waves: Mapping[str, Wave]) -> Run:
         """One communication step, to the time `end` [s]."""
-        signals, counter = np.zeros((3, len(table().inputs))), np.zeros(len(table().solver))
-        for name, wave in waves.items():
-            signals[:, table().inputs[name].slot] = wave
+        signals, counter = _signals(waves), np.zeros(len(table().solver))
         time, x = self._time, self._x
         status = self._library.probe_advance(self._handle, ctypes.byref(time), end, x, signals, counter)
         names = (name.removeprefix("solver.") for name in table().solver)
@@ -272,10 +283,39 @@ class Kernel:
                 break
         return runs
 
+    def energy_parts(self) -> tuple[float, float]:
+        """Work of the inputs, and what drag and dampers took, since the start [J]."""
+        parts = np.empty(2)
+        self._library.probe_energy(self._handle, parts)
+        return parts[0], parts[1]
+
+    def implicit_steps(
+        self, step: float, steps: int, waves: Mapping[str, Wave], *, share: float = 1.0, still: bool = False
+    ) -> tuple[Floats, Floats, float]:
+        """Fixed implicit steps of size `step` [s] from the cable's start at t = 0, none of them refused.
+
+        Returns (q, v) at the end, (q, v) at that share of the last step by dense output, and the last step's
+        error by its own estimate, over 1 + |x|. With `still`, inputs seem to rest where their slopes are measured.
+        """
+        x = np.concatenate([self.cable.position, self.cable.velocity])
+        between = np.empty_like(x)
+        error = self._library.probe_implicit_steps(
+            self._handle, 0.0, step, steps, still, share, x, _signals(waves), between
+        )
+        return x, between, error
+
     def _outputs(self, x: Floats, derivative: int | None) -> dict[str, float]:
         output = np.full(len(table().outputs), np.nan)
         self._library.probe_outputs(self._handle, x, derivative, output)
         return dict(zip(table().outputs, output.tolist(), strict=True))
+
+
+def _signals(waves: Mapping[str, Wave]) -> Floats:
+    """Constants, amplitudes and pulsations, a row each, in the slots of the inputs."""
+    signals = np.zeros((3, len(table().inputs)))
+    for name, wave in waves.items():
+        signals[:, table().inputs[name].slot] = wave
+    return signals
 
 
 def inputs_of(inputs: Mapping[str, float]) -> Floats:

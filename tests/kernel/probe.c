@@ -9,6 +9,7 @@
 #include "../../fmu_src/kernel/directional.h"
 #include "../../fmu_src/kernel/dormand_prince.h"
 #include "../../fmu_src/kernel/dynamics.h"
+#include "../../fmu_src/kernel/method.h"
 #include "../../fmu_src/kernel/processor.h"
 #include "../../fmu_src/kernel/rosenbrock.h"
 #include "../../fmu_src/kernel/sincos.h"
@@ -80,6 +81,13 @@ void probe_spoil_scratch(Probe *probe)
         for (int i = 0; i < STRIP_ROOM; i++) strip[k][i] = NAN;
     for (int k = 0; k < 2; k++)
         probe->work.end_force[k] = probe->work.end_position[k] = probe->work.end_velocity[k] = NAN;
+}
+
+/* The same of the solver's vectors and the factors, before a start. */
+void probe_spoil_solver(Probe *probe)
+{
+    for (size_t k = 0; k < solver_doubles(probe->model.n); k++) probe->stages[k] = NAN;
+    for (size_t k = 0; k < linear_doubles(probe->model.n); k++) probe->factors[k] = NAN;
 }
 
 /* Like sincos_array_portable(); 0 and nothing done where the processor has no AVX2. */
@@ -231,14 +239,16 @@ int probe_equilibrium(Probe *probe, const double *u, double *x, double *figure)
     return (int)status;
 }
 
-/* u_k(t) = constant_k + amplitude_k sin(pulsation_k t); pulsation in rad/s. */
+/* u_k(t) = constant_k + amplitude_k sin(pulsation_k t); pulsation in rad/s. From still_from to still_to they do not change. */
 typedef struct {
     const double *constant, *amplitude, *pulsation;
+    double still_from, still_to;
 } Waves;
 
 static bool waves_at(void *source, double time, double *u)
 {
     const Waves *waves = source;
+    if (time > waves->still_from && time < waves->still_to) time = waves->still_from;
     for (int k = 0; k < INPUT_COUNT; k++) {
         u[k] = waves->constant[k] + waves->amplitude[k] * sin(waves->pulsation[k] * time);
         if (!isfinite(u[k])) return false;
@@ -255,10 +265,57 @@ void probe_restart(Probe *probe, double tolerance, int choice)
     solver_restart(&probe->memory);
 }
 
-/* One communication step of the explicit solver; waves[3][INPUT_COUNT] as in Waves. */
+/* What the solver remembers is forgotten, by its own means. */
+void probe_forget(Probe *probe)
+{
+    solver_restart(&probe->memory);
+}
+
+/* The parts of the energy balance since the start: work of the inputs, what drag and dampers took [J]. */
+void probe_energy(const Probe *probe, double *parts)
+{
+    parts[0] = probe->memory.energy.work, parts[1] = probe->memory.energy.taken;
+}
+
+/*
+ * `steps` implicit steps of size h from (t, x) on, none of them refused; `between` is the state at that share of the last one.
+ * The result is the last one's scaled error at tolerance 1. With `still` the inputs look constant to whoever measures their slopes.
+ */
+double probe_implicit_steps(Probe *probe, double t, double h, int steps, int still, double share, double *x,
+                            const double *waves, double *between)
+{
+    Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
+    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, false};
+    SolverMemory *memory = &probe->memory;
+    const size_t count = 2u * ((size_t)probe->model.n + 1u);
+    double *next = probe->stages, error = NAN;
+    Vectors vectors;
+    double **const all[] = {&vectors.slope, &vectors.trial,   &vectors.right_side, &vectors.force,
+                            &vectors.spare, &vectors.fastest, &vectors.begin,      &vectors.end};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++, next += count) *all[k] = next;
+    for (int j = 0; j < ROSENBROCK_MOST_DENSE; j++, next += count) vectors.bend[j] = next;
+    for (int j = 0; j < METHOD_STAGES; j++, next += count) vectors.stage[j] = next;
+    probe_restart(probe, 1.0, SOLVER_IMPLICIT);
+    for (int k = 0; k < steps; k++) {
+        const double from = t + k * h, to = t + (k + 1) * h;
+        source.still_from = from, source.still_to = still ? from + h / 256.0 : from;
+        waves_at(&source, from, memory->slope_u);
+        cable_derivatives(&probe->model, x, memory->slope_u, &probe->work, vectors.slope);
+        linear_point(&probe->model, x, &probe->work, vectors.slope, &probe->linear);
+        if (!implicit_attempt(&system, memory, &vectors, from, to, x, &error)) return NAN;
+        if (k == steps - 1) {
+            dense_remember(&system, memory, &vectors, from, to, x);
+            dense_state(&system, memory, &vectors, from + share * h, between);
+        }
+        memcpy(x, vectors.trial, count * sizeof *x);
+    }
+    return error;
+}
+
+/* One communication step of the solver; waves[3][INPUT_COUNT] as in Waves. */
 int probe_advance(Probe *probe, double *t, double t_end, double *x, const double *waves, double *counter)
 {
-    Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT};
+    Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
     bool rest = true;
     for (int k = 0; k < INPUT_COUNT; k++) rest &= waves[INPUT_COUNT + k] == 0.0;
     const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, rest};
