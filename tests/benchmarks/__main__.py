@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.benchmarks import overhead, rhs, stiff, table_6_6, work_precision
+from tests.benchmarks import automatic, overhead, rhs, stiff, table_6_6, work_precision
 
 LINKS = 120
 REPEATS = 2_000
@@ -68,6 +68,7 @@ def main() -> None:
         "overhead": overhead.rows(),
         "stiff": stiff.rows(),
         "growth": stiff.growth(),
+        "automatic": automatic.rows(),
     }
     if len(sys.argv) > 1:
         results["peers"] = peers(sys.argv[1])
@@ -102,6 +103,11 @@ def print_tables(results: dict[str, object]) -> None:
         )
     growth: dict[str, float] = results["growth"]  # type: ignore[assignment]
     print(f"\nAn implicit step costs n^{growth['exponent']:.3f}: {growth['seconds_per_step']} s")
+    print("\n| scene | links | explicit [ms] | implicit [ms] | automatic [ms] | of the cheaper | of the explicit |")
+    print("|" + "---|" * 7)
+    for row in results["automatic"]:  # type: ignore[attr-defined]
+        costs = " | ".join(f"{1e3 * row[solver]:.1f}" for solver in ("explicit", "implicit", "automatic"))
+        print(f"| {row['scene']} | {row['links']} | {costs} | {row['of_cheaper']:.2f} | {row['of_explicit']:.2f} |")
     print("\n| overhead | seconds |\n|---|---|")
     for row in results["overhead"]:  # type: ignore[attr-defined]
         print(f"| {row['what']} | {row['seconds']:.2g} |")

@@ -11,13 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
+from cablefmu.cable import SolverChoice
 from tests.kernel.cases import case
 from tests.kernel.library import inputs_of, load
 from tests.random_cables import KINDS
 
 
 def exercise(path: Path) -> None:
-    """Derivatives, outputs, linear algebra and short runs of random cables of every kind; sines beyond their range."""
+    """All that the kernel does with random cables of every kind, by every solver; sines beyond their range."""
     library = load(path)
     for n in (1, 2, 3, 12, 60):
         for kind in range(len(KINDS)):
@@ -28,12 +29,16 @@ def exercise(path: Path) -> None:
             c.kernel.directional(x, u, np.ones_like(x), np.ones_like(u))
             for weights in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (1.0, 30.0, 900.0)):
                 c.kernel.linear(x, u, np.array(weights), np.ones(n + 1), np.ones(2))
-            c.kernel.start(0.0, c.q, c.v, tolerance=1e-4)
-            c.kernel.advance(0.1, {name: (force, force, 3.0) for name, force in c.inputs.items()})
+            for solver in SolverChoice:
+                c.kernel.start(0.0, c.q, c.v, tolerance=1e-4, solver=solver)
+                c.kernel.advance(0.1, {name: (force, force, 3.0) for name, force in c.inputs.items()})
+                c.kernel.advance(0.15, {})
+                c.kernel.advance(0.2, {})
     c = case(library, 3, 0)
     for wild in (1e30, np.inf, np.nan):
-        c.kernel.start(0.0, c.q, np.full(4, wild), tolerance=1e-4)
-        c.kernel.advance(0.1, {})
+        for solver in SolverChoice:
+            c.kernel.start(0.0, c.q, np.full(4, wild), tolerance=1e-4, solver=solver)
+            c.kernel.advance(0.1, {})
     x = np.concatenate([np.linspace(-2e6, 2e6, 100_001), [1e300, np.inf, np.nan]])
     library.sincos_array_portable(len(x), x, np.empty_like(x), np.empty_like(x))
     for value in (5e-324, 1e-300, 1.0, 1e300, np.inf, np.nan):

@@ -32,7 +32,7 @@ def speeds(cable: Cable, q: Floats, v: Floats) -> Floats:
     """Of P_0 ... P_n, shape (n + 1,) [m/s]."""
     swing, theta = cable.links.length * v[1:], q[1:]
     x, y = np.cumsum(swing * np.cos(theta)), np.cumsum(-swing * np.sin(theta))
-    return np.hypot(np.append(0.0, x), v[0] + np.append(0.0, y))
+    return np.asarray(np.hypot(np.append(0.0, x), v[0] + np.append(0.0, y)), dtype=float)
 
 
 def waves_of(scene: Scene) -> dict[str, Wave]:

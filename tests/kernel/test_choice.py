@@ -25,7 +25,7 @@ def last(
     library: ctypes.CDLL, cable: Cable, solver: SolverChoice, waves: dict[str, Wave], *, span: float, tolerance: float
 ) -> Run:
     """The end of a run in communication steps of 0.1 s."""
-    times = 0.1 * np.arange(round(10.0 * span) + 1)
+    times = 0.1 * np.arange(round(10.0 * span) + 1.0)
     run = Kernel(library, cable).run(times, tolerance=tolerance, waves=waves, solver=solver)[-1]
     assert run.status == "ok" and run.time == times[-1]
     return run
