@@ -34,5 +34,5 @@ def test_a_host_that_integrates_holds_it_within_its_tolerance() -> None:
     """CVode knows of no pin; what it lets slip comes back by itself, so that errors do not pile up."""
     for tolerance in (1e-6, 1e-8):
         off = off_the_pin("me", tolerance)
-        assert off.max() < 1e3 * tolerance  # of angles over 240 m
+        assert off.max() < 100.0 * tolerance  # of angles over 240 m; measured: 9 and 17 times
         assert off[300:].max() < 3.0 * off[:300].max()
