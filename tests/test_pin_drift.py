@@ -1,4 +1,4 @@
-"""A pinned FMU's end stays on its pin: to 1e-8 m where the FMU integrates, within the host's tolerance where it does."""
+"""A pinned FMU's end stays on its pin: to 1e-8 m if the FMU integrates, within the host's tolerance if it does."""
 
 from __future__ import annotations
 
