@@ -15,15 +15,20 @@
  * where forces balance but the cable would not stay (upside down, buckled), a small push leads away.
  *
  * An anchor that weighs nothing and is held by its mass alone stays where it is, as the pin does: by a force R through
- * P_n, which is found along with the angles.
+ * P_n, which is found along with the angles. Far from equilibrium R says little and P_n may be far from its pin, so a
+ * spring holds the end at first, and takes as its preload what it carried when the cable had come to rest, which
+ * brings the end closer (the method of multipliers); the pin takes over when it is close.
  */
-enum { MOST_ITERATIONS = 2000, MOST_PUSHES = 20 };
+enum { MOST_ITERATIONS = 4000, MOST_PUSHES = 20, MOST_PRELOADS = 30 };
 static const double LARGEST_TURN = 1.0;   /* of a link in a step [rad] */
 static const double FIRST_SHARE = 1.0;    /* of the inertia matrix [1/s^2] */
 static const double LARGEST_SHARE = 1e12; /* beyond it, nothing moves */
 static const double PUSH = 1e-2;          /* away from what is not stable [rad] */
 static const double CONVERGED = 1e-8;     /* steps below it are only followed to their end [rad, m] */
 static const double FAR = 1e4;            /* of the cable's length: what goes there is not held */
+static const double STIFF = 30.0;         /* spring in place of a pin, over forces per length */
+static const double CLOSE = 1e-6;         /* of the cable's length: where the pin takes over */
+static const double ON_THE_PIN = 1e-11;   /* of the cable's length */
 
 /* Views into the block, and what the search knows. */
 typedef struct {
@@ -117,6 +122,32 @@ static void stretch(Search *search)
     }
 }
 
+static double length_of(const Model *model)
+{
+    double length = 0.0;
+    for (int i = 0; i < model->n; i++) length += model->link[LINK_LENGTH][i];
+    return length;
+}
+
+/* How far P_n is from where it is to be [m]. */
+static double off_the_pin(const Search *search)
+{
+    const Model *model = search->model;
+    double *position = search->work->end_position;
+    model->variant->orientation(model, search->x, search->work);
+    terminal_motion(model, search->x, search->work, position, search->work->end_velocity);
+    return hypot(search->pin[0] - position[0], search->pin[1] - position[1]);
+}
+
+/* Where the end is to be: of an anchor of mass, where it is. */
+static void find_pin(Search *search)
+{
+    memcpy(search->pin, search->model->rest, sizeof search->pin);
+    off_the_pin(search);
+    if (search->model->terminal == TERMINAL_PIN) return;
+    memcpy(search->pin, search->work->end_position, sizeof search->pin);
+}
+
 /* R through a held end as it would be if the cable were let go here. */
 static void guess_through(Search *search)
 {
@@ -125,8 +156,28 @@ static void guess_through(Search *search)
     linear_point(model, search->x, search->work, search->trial, search->linear);
     search->through[0] = search->linear->force_x[model->n];
     search->through[1] = search->linear->force_y[model->n];
-    terminal_motion(model, search->x, search->work, search->work->end_position, search->work->end_velocity);
-    memcpy(search->pin, model->terminal == TERMINAL_PIN ? model->rest : search->work->end_position, sizeof search->pin);
+}
+
+/* The same cable on a spring, about as stiff to the end as the cable is when it hangs with some slack. */
+static Model on_a_spring(const Search *search, double length)
+{
+    Model model = *search->model;
+    double force = fabs(model.parameter[P_static_load] - search->u[U_u_m1]), bend = 0.0;
+    for (int i = 0; i < model.n; i++) {
+        force += fabs(model.weight[i]);
+        bend = fmax(bend, model.stiffness[i] / model.n);
+    }
+    const double spring = STIFF * (force + bend / length) / length + model.parameter[P_k_m1];
+    model.terminal = TERMINAL_ANCHOR_SPRING;
+    model.has_spring = true;
+    model.middle = 0;
+    model.end_mass = model.end_weight = 0.0;
+    for (int k = 0; k < 2; k++) {
+        model.spring[k] = spring > 0.0 ? spring : 1.0;
+        model.rest[k] = search->pin[k];
+        model.preload[k] = -search->through[k];
+    }
+    return model;
 }
 
 /* The step with so much of the inertia matrix added; false where that is not positive definite. */
@@ -192,9 +243,7 @@ static void push(Search *search, int times)
 
 static bool is_lost(const Search *search)
 {
-    double length = 0.0;
-    for (int i = 0; i < search->model->n; i++) length += search->model->link[LINK_LENGTH][i];
-    return !(fabs(search->x[0]) < FAR * length);
+    return !(fabs(search->x[0]) < FAR * length_of(search->model));
 }
 
 /* The step from here: Newton's where it may be taken, else one that goes downhill, and not too far. */
@@ -239,6 +288,35 @@ static StaticsStatus descend(Search *search, double *iterations)
     return STATICS_NO_BALANCE;
 }
 
+/* With the end on a spring until it is close to where it is to be, then held there. */
+static StaticsStatus descend_held(Search *search, double *iterations)
+{
+    const Model *const held = search->model;
+    const double length = length_of(held);
+    find_pin(search);
+    if (off_the_pin(search) < CLOSE * length) guess_through(search);
+    Model sprung = on_a_spring(search, length);
+    search->model = &sprung;
+    search->is_held = false;
+    double off = HUGE_VAL;
+    for (int k = 0; k < MOST_PRELOADS && !(off < CLOSE * length); k++) {
+        const StaticsStatus status = descend(search, iterations);
+        if (status != STATICS_OK) return status;
+        potential(search, search->x);
+        memcpy(sprung.preload, search->work->end_force, sizeof sprung.preload);
+        const double last = off;
+        off = off_the_pin(search);
+        for (int axis = 0; axis < 2 && off > 0.1 * last; axis++) sprung.spring[axis] *= 10.0; /* a taut cable */
+    }
+    search->model = held;
+    search->is_held = true;
+    for (int k = 0; k < 2; k++) search->through[k] = -sprung.preload[k];
+    pin_project(held, search->work, search->pin, search->x);
+    const StaticsStatus status = descend(search, iterations);
+    /* A cable that is straight between its ends, with a force across it, gives way without end as its pull grows. */
+    return status == STATICS_OK && off_the_pin(search) > ON_THE_PIN * length ? STATICS_NO_BALANCE : status;
+}
+
 StaticsStatus statics_solve(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x,
                             double *figure)
 {
@@ -246,9 +324,8 @@ StaticsStatus statics_solve(const Model *model, const double *u, Work *work, Lin
     Search search = search_in(model, u, work, linear, block, x);
     memset(x + half, 0, (size_t)half * sizeof *x);
     figure[STATICS_iterations] = 0.0;
-    if (search.is_held) guess_through(&search);
-    if (search.is_held) pin_project(model, work, search.pin, x);
-    const StaticsStatus status = descend(&search, &figure[STATICS_iterations]);
+    double *iterations = &figure[STATICS_iterations];
+    const StaticsStatus status = search.is_held ? descend_held(&search, iterations) : descend(&search, iterations);
     cable_derivatives(model, x, u, work, search.trial);
     figure[STATICS_residual] = 0.0;
     for (int k = 0; k < half; k++)
