@@ -25,9 +25,8 @@ VISIBLE void kernel_free(Kernel *kernel);
 VISIBLE int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure);
 VISIBLE int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration);
 VISIBLE int kernel_factor(Kernel *kernel, double stiffness, double mass);
-VISIBLE void kernel_solve(Kernel *kernel, const double *force, const double *end, double *change, double *through);
-VISIBLE void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force,
-                            double *end);
+VISIBLE void kernel_solve(Kernel *kernel, const double *force, double *change, double *through);
+VISIBLE void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force);
 
 static size_t states_of(int n)
 {
@@ -74,11 +73,13 @@ void kernel_free(Kernel *kernel)
     free(kernel);
 }
 
-/* From q[n + 1] to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus. */
+/* From q[n + 1] to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus, or -1 where an angle is beyond
+ * the range of the kernel's sines. */
 int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure)
 {
     const size_t bytes = ((size_t)kernel->model.n + 1u) * sizeof *q;
     memcpy(kernel->x, q, bytes);
+    if (angle_out_of_range(&kernel->model, kernel->x)) return -1;
     const StaticsStatus status =
         statics_solve(&kernel->model, u, &kernel->work, &kernel->linear, kernel->statics_block, kernel->x, figure);
     memcpy(q, kernel->x, bytes);
@@ -86,7 +87,7 @@ int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figur
 }
 
 /*
- * Linearise about q[n + 1] at rest. force[2][n + 1]: R through every node, x then y [N]; acceleration[n + 1]: what is left
+ * Linearised about q[n + 1] at rest. force[2][n + 1]: R through every node, x then y [N]; acceleration[n + 1]: what is left
  * of it there. 0 where an angle is beyond the range of the kernel's sines.
  */
 int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration)
@@ -109,19 +110,31 @@ int kernel_factor(Kernel *kernel, double stiffness, double mass)
     return linear_factor(&kernel->model, (Weights){stiffness, 0.0, mass}, &kernel->linear);
 }
 
-/* (stiffness K + mass M) change = force[n + 1], the relation at a held end being end[2]; through[2]: the force that a
- * held end takes for it [N]. */
-void kernel_solve(Kernel *kernel, const double *force, const double *end, double *change, double *through)
+/* (stiffness K + mass M) change = force[n + 1], a pinned end staying; through[2]: the force that it takes for it [N]. */
+void kernel_solve(Kernel *kernel, const double *force, double *change, double *through)
 {
-    linear_solve(&kernel->model, &kernel->linear, force, end, change);
+    const double stays[2] = {0.0, 0.0};
+    linear_solve(&kernel->model, &kernel->linear, force, stays, change);
     for (int k = 0; k < 2; k++) through[k] = kernel->linear.is_held ? kernel->linear.through[k] : 0.0;
 }
 
-/* force[n + 1] = (stiffness K + mass M) change, without factors; end[2] as in kernel_solve(). */
-void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force, double *end)
+/* A heavy end's share, which linear.c keeps apart: the force through P_n by its relation, on every coordinate. */
+static void add_heavy_end(const Kernel *kernel, const double relation[2], double *force)
+{
+    const Linear *linear = &kernel->linear;
+    const double *length = kernel->model.link[LINK_LENGTH];
+    const double fx = relation[0] / linear->held.per_mass, fy = relation[1] / linear->held.per_mass;
+    force[0] += fy;
+    for (int i = 0; i < kernel->model.n; i++)
+        force[i + 1] += length[i] * (linear->cosine[i] * fx - linear->sine[i] * fy);
+}
+
+/* force[n + 1] = (stiffness K + mass M) change, without factors; what a pin takes is not in it. */
+void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force)
 {
     const size_t half = (size_t)kernel->model.n + 1u;
-    double *q = kernel->statics_block, *a = q + half; /* of eight times that size */
+    double *q = kernel->statics_block, *a = q + half, relation[2]; /* of eight times that size */
     for (size_t k = 0; k < half; k++) q[k] = stiffness * change[k], a[k] = mass * change[k];
-    linear_apply(&kernel->model, &kernel->linear, q, NULL, a, force, end);
+    linear_apply(&kernel->model, &kernel->linear, q, NULL, a, force, relation);
+    if (kernel->linear.is_held && kernel->linear.held.per_mass > 0.0) add_heavy_end(kernel, relation, force);
 }

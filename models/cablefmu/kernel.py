@@ -34,10 +34,12 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "kernel_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "kernel_rest": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "kernel_factor": (_INT, _POINTER, _DOUBLE, _DOUBLE),
-    "kernel_solve": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    "kernel_product": (None, _POINTER, _DOUBLE, _DOUBLE, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_solve": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_product": (None, _POINTER, _DOUBLE, _DOUBLE, _ARRAY, _ARRAY),
 }
 """Function -> (type of the result, types of the arguments)."""
+
+_WOUND_UP = "q: angles within 1.6e6 rad are expected"
 
 
 class StaticsStatus(IntEnum):
@@ -146,10 +148,12 @@ class KernelModel:
         Raises
         ------
         OptionError
-            A wrong shape, or a value that is not finite.
+            A wrong shape, a value that is not finite, or an angle beyond 1.6e6 rad.
         """
         found, figures = self._vector("q", q).copy(), np.zeros(2)
         status = self._library.kernel_equilibrium(self._handle, self._inputs(inputs), found, figures)
+        if status < 0:
+            raise OptionError(_WOUND_UP)
         return Search(StaticsStatus(status), found, float(figures[0]), int(figures[1]))
 
     def rest(self, q: ArrayLike, inputs: Mapping[str, float]) -> Rest:
@@ -163,7 +167,7 @@ class KernelModel:
         force, acceleration = np.zeros((2, self.cable.n + 1)), np.zeros(self.cable.n + 1)
         arrays = self._inputs(inputs), self._vector("q", q)
         if not self._library.kernel_rest(self._handle, *arrays, force, acceleration):
-            raise OptionError("q: an angle is beyond 1.6e6 rad")
+            raise OptionError(_WOUND_UP)
         return Rest(force.T.copy(), acceleration)
 
     def factor(self, *, stiffness: float, mass: float) -> int:
@@ -182,7 +186,7 @@ class KernelModel:
             A wrong shape, or a value that is not finite.
         """
         change, through = np.zeros(self.cable.n + 1), np.zeros(2)
-        self._library.kernel_solve(self._handle, self._vector("force", force), np.zeros(2), change, through)
+        self._library.kernel_solve(self._handle, self._vector("force", force), change, through)
         return Solution(change, through)
 
     def product(self, change: ArrayLike, *, stiffness: float, mass: float) -> Floats:
@@ -194,8 +198,7 @@ class KernelModel:
             A wrong shape, or a value that is not finite.
         """
         force = np.zeros(self.cable.n + 1)
-        given = self._vector("change", change)
-        self._library.kernel_product(self._handle, stiffness, mass, given, force, np.zeros(2))
+        self._library.kernel_product(self._handle, stiffness, mass, self._vector("change", change), force)
         return force
 
     def _vector(self, name: str, given: ArrayLike) -> Floats:
