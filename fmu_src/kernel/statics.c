@@ -10,8 +10,9 @@
  * step solves with the tangent stiffness wherever that is positive definite. Elsewhere each link's share of it that comes
  * of the pull R, -(l/2) (R_i + R_{i+1}).e, which is negative under compression, is replaced by the largest that it can become as
  * the link turns, (l/2) |R_i + R_{i+1}|: as the energy of a link under a constant pull lies below the parabola of that
- * curvature, such a step goes downhill, and turns links over that stand on their head. If a step of either kind fails, a
- * share of the inertia matrix is added, which shortens it. So the search goes downhill only, and what it finds is stable; from
+ * curvature, such a step goes downhill, and turns links over that stand on their head. As much of that as is needed is
+ * tried first: long steps lead along what is nearly soft. If a step fails, it is taken in part, or a share of the inertia
+ * matrix is added, which shortens it. So the search goes downhill only, and what it finds is stable; from
  * where forces balance but the cable would not stay (upside down, buckled), a small push leads away.
  *
  * An anchor that weighs nothing and is held by its mass alone stays where it is, as the pin does: by a force R through
@@ -21,9 +22,12 @@
  */
 enum { MOST_ITERATIONS = 4000, MOST_PUSHES = 20, MOST_PRELOADS = 30 };
 static const double LARGEST_TURN = 1.0;   /* of a link in a step [rad] */
+static const double LEAST_PART = 1e-3;    /* of the stretch that makes up for compression */
+static const double LEAST_REACH = 0.01;   /* of a step before another one is tried */
 static const double FIRST_SHARE = 1.0;    /* of the inertia matrix [1/s^2] */
 static const double LARGEST_SHARE = 1e12; /* beyond it, nothing moves */
 static const double PUSH = 1e-2;          /* away from what is not stable [rad] */
+static const double FLAT = 2e-13;         /* of the energy: rounding */
 static const double CONVERGED = 1e-8;     /* steps below it are only followed to their end [rad, m] */
 static const double FAR = 1e4;            /* of the cable's length: what goes there is not held */
 static const double STIFF = 30.0;         /* spring in place of a pin, over forces per length */
@@ -113,12 +117,14 @@ static void look(Search *search)
     if (search->is_held) linear_pin(search->linear);
 }
 
-/* Every link's pull as large as it can become. */
-static void stretch(Search *search)
+/* Every link's pull by this part of the way to as large as it can become. */
+static void stretch(Search *search, double part)
 {
+    Linear *linear = search->linear;
     for (int i = 0; i < search->model->n; i++) {
         const double rx = search->force_x[i] + search->force_x[i + 1], ry = search->force_y[i] + search->force_y[i + 1];
-        search->linear->pull[i] = -hypot(rx, ry);
+        const double pull = rx * linear->sine[i] + ry * linear->cosine[i];
+        linear->pull[i] = pull - part * (hypot(rx, ry) + pull);
     }
 }
 
@@ -207,21 +213,55 @@ static void trial_point(Search *search, double reach)
     if (search->is_held) pin_project(search->model, search->work, search->pin, search->trial);
 }
 
+/* Change of the energy with the step, to first order [J]. */
+static double slope_of(const Search *search)
+{
+    double slope = 0.0;
+    for (int k = 0; k <= search->model->n; k++) slope += search->force[k] * search->step[k];
+    return slope;
+}
+
+/*
+ * How much of a step to take. Steps that are none of Newton's are cautious, so twice as much for as long as that leads
+ * further down: a loop that wanders along a stiff cable would take thousands. Too long a step is halved.
+ */
+static double find_reach(Search *search, bool newton)
+{
+    const double most = newton ? 0.0 : 0.5 * LARGEST_TURN / largest_turn(search);
+    if (!(slope_of(search) < -FLAT * fabs(search->energy))) return 1.0; /* not to be seen in the energy */
+    trial_point(search, 1.0);
+    double reach = 1.0, lower = potential(search, search->trial);
+    if (!(lower < search->energy)) {
+        while (reach > LEAST_REACH && !(lower < search->energy)) {
+            reach *= 0.5;
+            trial_point(search, reach);
+            lower = potential(search, search->trial);
+        }
+        return lower < search->energy ? reach : 1.0;
+    }
+    while (reach <= most) {
+        trial_point(search, 2.0 * reach);
+        const double further = potential(search, search->trial);
+        if (!(further < lower)) break;
+        lower = further;
+        reach *= 2.0;
+    }
+    return reach;
+}
+
 /* Takes the step if it lowers the energy as its slope promises, or, where the energy is flat to rounding, the forces. */
-static bool take_step(Search *search)
+static bool take_step(Search *search, double reach)
 {
     const int half = search->model->n + 1;
-    const double before = search->size, energy = search->energy;
-    double slope = 0.0;
-    for (int k = 0; k < half; k++) slope += search->force[k] * search->step[k];
-    trial_point(search, 1.0);
-    const double lower = potential(search, search->trial), flat = 1e-13 * (fabs(energy) + fabs(lower));
+    const double before = search->size, energy = search->energy, slope = slope_of(search);
+    trial_point(search, reach);
+    const double lower = potential(search, search->trial), flat = 0.5 * FLAT * (fabs(energy) + fabs(lower));
     if (!isfinite(lower)) return false;
     const double through[2] = {search->through[0], search->through[1]};
     for (int k = 0; k < 2 && search->is_held; k++) search->through[k] += search->linear->through[k];
     forces(search, search->trial);
     const double size = size_of(search);
-    if (lower <= energy + 1e-4 * slope - flat || (lower <= energy + flat && size < before)) {
+    if (lower <= energy + 1e-4 * fmin(reach, 1.0) * slope - flat || (lower <= energy + flat && size < before)) {
         memcpy(search->x, search->trial, 2u * (size_t)half * sizeof *search->x);
         return true;
     }
@@ -246,43 +286,66 @@ static bool is_lost(const Search *search)
     return !(fabs(search->x[0]) < FAR * length_of(search->model));
 }
 
-/* The step from here: Newton's where it may be taken, else one that goes downhill, and not too far. */
-static bool choose_step(Search *search, double *share, bool *newton)
+/* How far a step that is none of Newton's is shortened. */
+typedef struct {
+    double part;  /* of the stretch */
+    double share; /* of the inertia matrix [1/s^2] */
+} Caution;
+
+static void more(Caution *caution)
 {
-    *newton = *share == 0.0 && find_step(search, 0.0) && largest_turn(search) < LARGEST_TURN;
-    if (*newton) return true;
-    stretch(search);
-    while (!find_step(search, *share) || largest_turn(search) > LARGEST_TURN) {
-        *share = fmax(4.0 * *share, FIRST_SHARE);
-        if (*share > LARGEST_SHARE) return false;
+    if (caution->part < 1.0) {
+        caution->part = fmin(4.0 * caution->part, 1.0);
+    } else {
+        caution->share = fmax(8.0 * caution->share, FIRST_SHARE);
     }
-    return true;
+}
+
+static void less(Caution *caution)
+{
+    if (caution->share == 0.0) caution->part = fmax(0.25 * caution->part, LEAST_PART);
+    caution->share = caution->share > FIRST_SHARE * 1e-6 ? caution->share / 8.0 : 0.0;
+}
+
+/* The step from here: Newton's where it may be taken, else one that goes downhill, and not too far. */
+static bool choose_step(Search *search, Caution *caution, bool *newton)
+{
+    *newton = caution->share == 0.0 && find_step(search, 0.0) && largest_turn(search) < LARGEST_TURN;
+    if (*newton) return true;
+    for (;;) {
+        stretch(search, caution->part);
+        if (find_step(search, caution->share) && !(largest_turn(search) > LARGEST_TURN)) return true;
+        more(caution);
+        if (caution->share > LARGEST_SHARE) return false;
+    }
 }
 
 /* From x downhill until Newton's steps no longer get smaller; how many iterations it took. */
 static StaticsStatus descend(Search *search, double *iterations)
 {
-    double share = 0.0, last = HUGE_VAL;
+    Caution caution = {1.0, 0.0};
+    double last = HUGE_VAL;
     int pushes = 0;
     for (; *iterations < MOST_ITERATIONS; ++*iterations) {
         bool newton;
         look(search);
         if (!isfinite(search->energy) || !isfinite(search->size)) return STATICS_NOT_FINITE;
-        if (is_lost(search) || !choose_step(search, &share, &newton)) return STATICS_NO_BALANCE;
+        if (is_lost(search) || !choose_step(search, &caution, &newton)) return STATICS_NO_BALANCE;
         const double turn = fmax(largest_turn(search), fabs(search->step[0]));
         const bool converged = newton && turn < CONVERGED;
         if (converged && !(turn < 0.5 * last)) return STATICS_OK;
         last = newton ? turn : HUGE_VAL;
-        if (take_step(search)) {
-            if (!newton && turn < CONVERGED && share < FIRST_SHARE && pushes++ < MOST_PUSHES) push(search, pushes);
-            share = share > FIRST_SHARE * 1e-6 ? share / 8.0 : 0.0;
+        if (take_step(search, find_reach(search, newton))) {
+            if (!newton && turn < CONVERGED && caution.share < FIRST_SHARE && pushes++ < MOST_PUSHES)
+                push(search, pushes);
+            less(&caution);
         } else if (converged) {
             return STATICS_OK; /* as low as rounding lets it come */
-        } else if (share < FIRST_SHARE && turn < CONVERGED) {
+        } else if (caution.share < FIRST_SHARE && turn < CONVERGED) {
             if (pushes++ == MOST_PUSHES) return STATICS_NO_BALANCE;
             push(search, pushes);
         } else {
-            share = fmax(8.0 * share, FIRST_SHARE);
+            more(&caution);
         }
     }
     return STATICS_NO_BALANCE;
