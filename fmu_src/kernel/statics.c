@@ -6,14 +6,14 @@
 #include "dynamics.h"
 
 /*
- * Equilibrium: the forces g(q), the gradient of the potential energy with the work of the inputs taken off, vanish. Newton's
- * step solves with the tangent stiffness wherever that is positive definite. Elsewhere each link's share of it that comes
- * of the pull R, -(l/2) (R_i + R_{i+1}).e, which is negative under compression, is replaced by the largest that it can become as
- * the link turns, (l/2) |R_i + R_{i+1}|: as the energy of a link under a constant pull lies below the parabola of that
- * curvature, such a step goes downhill, and turns links over that stand on their head. As much of that as is needed is
- * tried first: long steps lead along what is nearly soft. If a step fails, it is taken in part, or a share of the inertia
- * matrix is added, which shortens it. So the search goes downhill only, and what it finds is stable; from
- * where forces balance but the cable would not stay (upside down, buckled), a small push leads away.
+ * Equilibrium: the forces g(q), the gradient of the potential energy with the work of the inputs taken off, vanish.
+ * Newton's step solves with the tangent stiffness wherever that is positive definite. Elsewhere each link's share of it
+ * that comes of the pull R, -(l/2) (R_i + R_{i+1}).e, which is negative under compression, is brought closer to the
+ * largest that it can become as the link turns, (l/2) |R_i + R_{i+1}|: as the energy of a link under a constant pull
+ * lies below the parabola of that curvature, such a step goes downhill, and turns links over that stand on their head.
+ * It goes no further that way than it must: long steps lead along what is nearly soft. A step that fails is taken in
+ * part, or shortened by a share of the inertia matrix. So the search goes downhill only, and what it finds is stable;
+ * from where forces balance but the cable would not stay (upside down, buckled), a small push leads away.
  *
  * An anchor that weighs nothing and is held by its mass alone stays where it is, as the pin does: by a force R through
  * P_n, which is found along with the angles. Far from equilibrium R says little and P_n may be far from its pin, so a
@@ -173,7 +173,7 @@ static Model on_a_spring(const Search *search, double length)
         force += fabs(model.weight[i]);
         bend = fmax(bend, model.stiffness[i] / model.n);
     }
-    const double spring = STIFF * (force + bend / length) / length + model.parameter[P_k_m1];
+    const double spring = STIFF * (force + bend / length) / length;
     model.terminal = TERMINAL_ANCHOR_SPRING;
     model.has_spring = true;
     model.middle = 0;
