@@ -176,7 +176,7 @@ static Model on_a_spring(const Search *search, double length)
     const double spring = STIFF * (force + bend / length) / length;
     model.terminal = TERMINAL_ANCHOR_SPRING;
     model.has_spring = true;
-    model.middle = 0;
+    model.end_is_heavy = false;
     model.end_mass = model.end_weight = 0.0;
     for (int k = 0; k < 2; k++) {
         model.spring[k] = spring > 0.0 ? spring : 1.0;
@@ -249,7 +249,7 @@ static double find_reach(Search *search, bool newton)
     return reach;
 }
 
-/* Takes the step if it lowers the energy as its slope promises, or, where the energy is flat to rounding, the forces. */
+/* Takes the step if it lowers the energy as its slope promises, or, where that is flat to rounding, the forces. */
 static bool take_step(Search *search, double reach)
 {
     const int half = search->model->n + 1;

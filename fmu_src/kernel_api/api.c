@@ -1,6 +1,6 @@
 /*
  * The kernel for Python: statics, and the cable linearised about a state of rest, behind flat functions, so that no
- * layout of a C structure is repeated there [models/cablefmu/kernel.py]. The sizes of all arrays are the caller's affair.
+ * layout of a C structure is repeated there [models/cablefmu/kernel.py]. Sizes of arrays are the caller's affair.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -73,8 +73,8 @@ void kernel_free(Kernel *kernel)
     free(kernel);
 }
 
-/* From q[n + 1] to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus, or -1 where an angle is beyond
- * the range of the kernel's sines. */
+/* From q[n + 1] to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus, or -1 where an angle is
+ * beyond the range of the kernel's sines. */
 int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure)
 {
     const size_t bytes = ((size_t)kernel->model.n + 1u) * sizeof *q;
@@ -87,8 +87,8 @@ int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figur
 }
 
 /*
- * Linearised about q[n + 1] at rest. force[2][n + 1]: R through every node, x then y [N]; acceleration[n + 1]: what is left
- * of it there. 0 where an angle is beyond the range of the kernel's sines.
+ * Linearised about q[n + 1] at rest. force[2][n + 1]: R through every node, x then y [N]; acceleration[n + 1]: what is
+ * left of it there. 0 where an angle is beyond the range of the kernel's sines.
  */
 int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration)
 {
@@ -110,12 +110,13 @@ int kernel_factor(Kernel *kernel, double stiffness, double mass)
     return linear_factor(&kernel->model, (Weights){stiffness, 0.0, mass}, &kernel->linear);
 }
 
-/* (stiffness K + mass M) change = force[n + 1], a pinned end staying; through[2]: the force that it takes for it [N]. */
+/* (stiffness K + mass M) change = force[n + 1], a pinned end staying; through[2]: the force that it takes [N]. */
 void kernel_solve(Kernel *kernel, const double *force, double *change, double *through)
 {
     const double stays[2] = {0.0, 0.0};
     linear_solve(&kernel->model, &kernel->linear, force, stays, change);
-    for (int k = 0; k < 2; k++) through[k] = kernel->linear.is_held ? kernel->linear.through[k] : 0.0;
+    const bool is_pinned = kernel->linear.is_held && kernel->linear.held.per_mass == 0.0;
+    for (int k = 0; k < 2; k++) through[k] = is_pinned ? kernel->linear.through[k] : 0.0;
 }
 
 /* A heavy end's share, which linear.c keeps apart: the force through P_n by its relation, on every coordinate. */
