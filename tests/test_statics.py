@@ -198,6 +198,12 @@ def test_shapes_have_one_sign() -> None:
         assert shape[np.argmax(np.abs(shape))] > 0.0
 
 
+def test_modes_that_rounding_hides_are_not_told() -> None:
+    """1e300 N sideways have an equilibrium; beside the stiffness that they bring, heave has none to be seen."""
+    with pytest.raises(RunError, match="the slowest modes drown in rounding"):
+        modes(small_scene("load"), {"F_cx": 1e300})
+
+
 @pytest.mark.parametrize("count", [0, 501])
 def test_a_count_out_of_range_is_refused(count: int) -> None:
     with pytest.raises(OptionError, match=rf"count = {count}: 1 to 500 modes are expected"):

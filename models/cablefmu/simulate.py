@@ -25,7 +25,7 @@ from .fmu.variables import ENUMERATIONS, Kind, Variable, variables_of
 from .results import Recording, dataset
 from .scene import Scene, load_scene
 from .signals import Constant
-from .statics_results import STATICS_GROUPS, statics_dataset
+from .statics_results import STATICS_GROUPS, joined, statics_dataset
 
 __all__ = ["simulate"]
 
@@ -106,10 +106,10 @@ def simulate(
         if archive is None:
             archive = open_fmu(build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=fmi or 2))
         extract(str(archive.path), unzipdir=str(Path(folder) / "fmu"))
-        return _run(archive, settings, str(Path(folder) / "fmu"), progress).merge(statics, combine_attrs="override")
+        return joined(_run(archive, settings, str(Path(folder) / "fmu"), progress), statics)
     except RunError as error:
         if isinstance(error.partial, xr.Dataset):
-            error.partial = error.partial.merge(statics, combine_attrs="override")
+            error.partial = joined(error.partial, statics)
         raise
     finally:
         shutil.rmtree(folder, ignore_errors=True)

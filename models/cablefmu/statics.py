@@ -166,7 +166,7 @@ def modes(
     Raises
     ------
     SceneError, OptionError, RunError
-        As `equilibrium` does, and OptionError for a count that is not 1 to 500.
+        As `equilibrium` does, OptionError for a count that is not 1 to 500, RunError where rounding hides the modes.
 
     Notes
     -----
@@ -179,6 +179,10 @@ def modes(
     model = KernelModel(found.cable)
     model.rest(found.q, found.inputs)
     squares, shapes = (_dense_modes if found.cable.n < _DENSE else _sparse_modes)(model, found, count)
+    if not np.all(squares > 0.0):
+        raise RunError(
+            "the slowest modes drown in rounding: stiffnesses and forces are too many orders of magnitude apart"
+        )
     largest = np.argmax(np.abs(shapes), axis=1)
     signs = np.sign(shapes[np.arange(len(shapes)), largest])
     return Modes(found, np.sqrt(squares), shapes * signs[:, None])

@@ -15,7 +15,7 @@ from .files import replacing
 from .scene import Scene
 from .statics import ENDS, Equilibrium, Modes, end_stiffness, equilibrium, modes
 
-__all__ = ["STATICS_GROUPS", "is_over_time", "statics_dataset", "write_statics"]
+__all__ = ["STATICS_GROUPS", "is_over_time", "joined", "statics_dataset", "write_statics"]
 
 STATICS_GROUPS = ("modes", "stiffness")
 """What `record` takes besides variables: both are about the equilibrium for the inputs of the start."""
@@ -53,10 +53,15 @@ def statics_dataset(scene: Scene, given: Mapping[str, float | str], wanted: Sequ
     parameters = {name: value for name, value in numbers.items() if name in cable.parameters}
     found = equilibrium(_moved(cable, numbers), inputs, parameters)
     if "modes" in wanted:
-        result = result.merge(_modes(modes(found)))
+        result = joined(result, _modes(modes(found)))
     if "stiffness" in wanted:
-        result = result.merge(_stiffness(found))
+        result = joined(result, _stiffness(found))
     return result
+
+
+def joined(result: xr.Dataset, more: xr.Dataset) -> xr.Dataset:
+    """Both in one; what they share, which is links, is the same in both."""
+    return result.merge(more, compat="override", join="exact", combine_attrs="override")
 
 
 def _moved(cable: Cable, given: Mapping[str, float]) -> Cable:
