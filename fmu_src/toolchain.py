@@ -15,7 +15,10 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 
 TARGETS = {"x86_64-linux": ("x86_64-linux-gnu.2.17", "cable.so")}
-"""FMI 3 platform tuple -> (target of the compiler, file name of the library)."""
+"""FMI 3 platform tuple -> (target of the compiler, file name of the FMU's library)."""
+
+KERNEL = "kernel.so"
+"""Beside it: the kernel for Python, which no FMU holds."""
 
 REQUIREMENTS = ["ziglang==0.17.1", "fmpy>=0.3.23,<0.4"]
 """What compiling needs from PyPI: the compiler (pinned: its output is hashed), and FMPy for the FMI headers."""
@@ -33,6 +36,11 @@ def kernel_sources() -> list[Path]:
 def fmi_sources() -> list[Path]:
     """The FMI 2 and FMI 3 interfaces and what they share."""
     return sorted((HERE / "fmi").glob("*.c"))
+
+
+def kernel_api_sources() -> list[Path]:
+    """What Python calls of the kernel without an FMU."""
+    return sorted((HERE / "kernel_api").glob("*.c"))
 
 
 def partner_sources() -> list[Path]:
@@ -58,7 +66,10 @@ def source_hash() -> str:
     """SHA-256 over everything that the folder of binaries is made of, this recipe included."""
     digest = hashlib.sha256()
     files = sorted(
-        p for folder in ("kernel", "fmi") for p in (HERE / folder).iterdir() if p.suffix in {".c", ".h", ".def"}
+        p
+        for folder in ("kernel", "fmi", "kernel_api")
+        for p in (HERE / folder).iterdir()
+        if p.suffix in {".c", ".h", ".def"}
     )
     for path in [*files, *partner_sources(), Path(__file__)]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes().replace(b"\r\n", b"\n"))
@@ -85,6 +96,7 @@ def build_binaries(folder: Path) -> None:
     """Every platform's library into `folder`, with the texts and the stamp that says of which sources."""
     for platform, (target, name) in TARGETS.items():
         compile_library(folder / platform / name, kernel_sources() + fmi_sources(), RELEASE, target=target)
+        compile_library(folder / platform / KERNEL, kernel_sources() + kernel_api_sources(), RELEASE, target=target)
     copy_texts(folder)
     (folder / "source_hash.txt").write_text(source_hash() + "\n")
 
@@ -101,7 +113,9 @@ def copy_texts(folder: Path) -> None:
 def is_current(folder: Path) -> bool:
     """Whether `folder` holds the binaries of the present sources."""
     stamp = folder / "source_hash.txt"
-    built = all((folder / platform / name).is_file() for platform, (_, name) in TARGETS.items())
+    built = all(
+        (folder / platform / library).is_file() for platform, (_, name) in TARGETS.items() for library in (name, KERNEL)
+    )
     return built and stamp.is_file() and stamp.read_text().strip() == source_hash()
 
 

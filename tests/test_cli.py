@@ -106,6 +106,23 @@ def test_options_reach_the_run(command: Command) -> None:
     assert told == {"fmi": 3, "interface": "me", "tolerance": 1e-8, "set": "m_c=70.0 u_m1=5.0"}
 
 
+@pytest.mark.parametrize("values", [["modes,stiffness", "theta[2]"], ["modes", "stiffness", "theta[2]"]])
+def test_modes_and_stiffness_are_recorded_about_the_start(values: list[str], command: Command) -> None:
+    command("run", "load.toml", "--stop-time", "0.4", "--set", "F_cx=200", "--record", *values, "-o", "x.csv")
+    assert (command.status, command.err) == (0, "")
+    assert "natural frequencies" in command.out
+    assert command.out.endswith("results: x.csv, x.modes.csv, x.stiffness.csv\n")
+    assert Path("x.modes.csv").read_text().startswith("mode,frequency,y_m1,theta[1],")
+    assert len(Path("x.stiffness.csv").read_text().splitlines()) == 5
+    assert Path("x.csv").read_text().splitlines()[0].endswith("theta[2]")
+
+
+def test_a_straight_cable_has_no_end_stiffness_and_says_so(command: Command) -> None:
+    assert command("run", "load.toml", "--record", "stiffness", "--set", "F_cx=0").status == 1
+    assert "the cable is straight between its ends, and its links do not stretch" in command.err
+    assert "Traceback" not in command.err
+
+
 def test_a_solver_is_set_by_name(command: Command) -> None:
     command("run", "load.toml", "--stop-time", "0.4", "--set", "solver=implicit", "m_c=70", "-o", "x.csv")
     assert (command.status, command.err) == (0, "")

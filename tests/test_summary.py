@@ -51,6 +51,13 @@ def test_what_one_looks_at_first() -> None:
     }
 
 
+def test_the_slowest_natural_frequencies() -> None:
+    rung = RESULT.assign(frequency=("mode", [0.06911, 0.13456, 0.2, 0.3]))
+    assert summary(rung)["natural frequencies"] == "0.06911, 0.1346, 0.2 Hz at the equilibrium of the start, undamped"
+    silent = RESULT.assign(frequency=("mode", []))
+    assert "natural frequencies" not in summary(silent)
+
+
 def test_only_what_the_result_holds() -> None:
     bare = RESULT[["x_c"]].drop_attrs()
     assert summary(bare) == {}

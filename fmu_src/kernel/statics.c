@@ -6,24 +6,33 @@
 #include "dynamics.h"
 
 /*
- * Equilibrium: the forces g(q), the gradient of the potential energy with the work of the inputs taken off, vanish. Newton's
- * step solves with the tangent stiffness wherever that is positive definite. Elsewhere each link's share of it that comes
- * of the pull R, -(l/2) (R_i + R_{i+1}).e, which is negative under compression, is replaced by the largest that it can become as
- * the link turns, (l/2) |R_i + R_{i+1}|: as the energy of a link under a constant pull lies below the parabola of that
- * curvature, such a step goes downhill, and turns links over that stand on their head. If a step of either kind fails, a
- * share of the inertia matrix is added, which shortens it. So the search goes downhill only, and what it finds is stable; from
- * where forces balance but the cable would not stay (upside down, buckled), a small push leads away.
+ * Equilibrium: the forces g(q), the gradient of the potential energy with the work of the inputs taken off, vanish.
+ * Newton's step solves with the tangent stiffness wherever that is positive definite. Elsewhere each link's share of it
+ * that comes of the pull R, -(l/2) (R_i + R_{i+1}).e, which is negative under compression, is brought closer to the
+ * largest that it can become as the link turns, (l/2) |R_i + R_{i+1}|: as the energy of a link under a constant pull
+ * lies below the parabola of that curvature, such a step goes downhill, and turns links over that stand on their head.
+ * It goes no further that way than it must: long steps lead along what is nearly soft. A step that fails is taken in
+ * part, or shortened by a share of the inertia matrix. So the search goes downhill only, and what it finds is stable;
+ * from where forces balance but the cable would not stay (upside down, buckled), a small push leads away.
  *
  * An anchor that weighs nothing and is held by its mass alone stays where it is, as the pin does: by a force R through
- * P_n, which is found along with the angles.
+ * P_n, which is found along with the angles. Far from equilibrium R says little and P_n may be far from its pin, so a
+ * spring holds the end at first, and takes as its preload what it carried when the cable had come to rest, which
+ * brings the end closer (the method of multipliers); the pin takes over when it is close.
  */
-enum { MOST_ITERATIONS = 2000, MOST_PUSHES = 20 };
+enum { MOST_ITERATIONS = 4000, MOST_PUSHES = 20, MOST_PRELOADS = 30 };
 static const double LARGEST_TURN = 1.0;   /* of a link in a step [rad] */
+static const double LEAST_PART = 1e-3;    /* of the stretch that makes up for compression */
+static const double LEAST_REACH = 0.01;   /* of a step before another one is tried */
 static const double FIRST_SHARE = 1.0;    /* of the inertia matrix [1/s^2] */
 static const double LARGEST_SHARE = 1e12; /* beyond it, nothing moves */
 static const double PUSH = 1e-2;          /* away from what is not stable [rad] */
+static const double FLAT = 2e-13;         /* of the energy: rounding */
 static const double CONVERGED = 1e-8;     /* steps below it are only followed to their end [rad, m] */
 static const double FAR = 1e4;            /* of the cable's length: what goes there is not held */
+static const double STIFF = 30.0;         /* spring in place of a pin, over forces per length */
+static const double CLOSE = 1e-6;         /* of the cable's length: where the pin takes over */
+static const double ON_THE_PIN = 1e-11;   /* of the cable's length */
 
 /* Views into the block, and what the search knows. */
 typedef struct {
@@ -108,13 +117,41 @@ static void look(Search *search)
     if (search->is_held) linear_pin(search->linear);
 }
 
-/* Every link's pull as large as it can become. */
-static void stretch(Search *search)
+/* Every link's pull by this part of the way to as large as it can become. */
+static void stretch(Search *search, double part)
 {
+    Linear *linear = search->linear;
     for (int i = 0; i < search->model->n; i++) {
         const double rx = search->force_x[i] + search->force_x[i + 1], ry = search->force_y[i] + search->force_y[i + 1];
-        search->linear->pull[i] = -hypot(rx, ry);
+        const double pull = rx * linear->sine[i] + ry * linear->cosine[i];
+        linear->pull[i] = pull - part * (hypot(rx, ry) + pull);
     }
+}
+
+static double length_of(const Model *model)
+{
+    double length = 0.0;
+    for (int i = 0; i < model->n; i++) length += model->link[LINK_LENGTH][i];
+    return length;
+}
+
+/* How far P_n is from where it is to be [m]. */
+static double off_the_pin(const Search *search)
+{
+    const Model *model = search->model;
+    double *position = search->work->end_position;
+    model->variant->orientation(model, search->x, search->work);
+    terminal_motion(model, search->x, search->work, position, search->work->end_velocity);
+    return hypot(search->pin[0] - position[0], search->pin[1] - position[1]);
+}
+
+/* Where the end is to be: of an anchor of mass, where it is. */
+static void find_pin(Search *search)
+{
+    memcpy(search->pin, search->model->rest, sizeof search->pin);
+    off_the_pin(search);
+    if (search->model->terminal == TERMINAL_PIN) return;
+    memcpy(search->pin, search->work->end_position, sizeof search->pin);
 }
 
 /* R through a held end as it would be if the cable were let go here. */
@@ -125,8 +162,28 @@ static void guess_through(Search *search)
     linear_point(model, search->x, search->work, search->trial, search->linear);
     search->through[0] = search->linear->force_x[model->n];
     search->through[1] = search->linear->force_y[model->n];
-    terminal_motion(model, search->x, search->work, search->work->end_position, search->work->end_velocity);
-    memcpy(search->pin, model->terminal == TERMINAL_PIN ? model->rest : search->work->end_position, sizeof search->pin);
+}
+
+/* The same cable on a spring, about as stiff to the end as the cable is when it hangs with some slack. */
+static Model on_a_spring(const Search *search, double length)
+{
+    Model model = *search->model;
+    double force = fabs(model.parameter[P_static_load] - search->u[U_u_m1]), bend = 0.0;
+    for (int i = 0; i < model.n; i++) {
+        force += fabs(model.weight[i]);
+        bend = fmax(bend, model.stiffness[i] / model.n);
+    }
+    const double spring = STIFF * (force + bend / length) / length;
+    model.terminal = TERMINAL_ANCHOR_SPRING;
+    model.has_spring = true;
+    model.end_is_heavy = false;
+    model.end_mass = model.end_weight = 0.0;
+    for (int k = 0; k < 2; k++) {
+        model.spring[k] = spring > 0.0 ? spring : 1.0;
+        model.rest[k] = search->pin[k];
+        model.preload[k] = -search->through[k];
+    }
+    return model;
 }
 
 /* The step with so much of the inertia matrix added; false where that is not positive definite. */
@@ -156,21 +213,55 @@ static void trial_point(Search *search, double reach)
     if (search->is_held) pin_project(search->model, search->work, search->pin, search->trial);
 }
 
-/* Takes the step if it lowers the energy as its slope promises, or, where the energy is flat to rounding, the forces. */
-static bool take_step(Search *search)
+/* Change of the energy with the step, to first order [J]. */
+static double slope_of(const Search *search)
+{
+    double slope = 0.0;
+    for (int k = 0; k <= search->model->n; k++) slope += search->force[k] * search->step[k];
+    return slope;
+}
+
+/*
+ * How much of a step to take. Steps that are none of Newton's are cautious, so twice as much for as long as that leads
+ * further down: a loop that wanders along a stiff cable would take thousands. Too long a step is halved.
+ */
+static double find_reach(Search *search, bool newton)
+{
+    const double most = newton ? 0.0 : 0.5 * LARGEST_TURN / largest_turn(search);
+    if (!(slope_of(search) < -FLAT * fabs(search->energy))) return 1.0; /* not to be seen in the energy */
+    trial_point(search, 1.0);
+    double reach = 1.0, lower = potential(search, search->trial);
+    if (!(lower < search->energy)) {
+        while (reach > LEAST_REACH && !(lower < search->energy)) {
+            reach *= 0.5;
+            trial_point(search, reach);
+            lower = potential(search, search->trial);
+        }
+        return lower < search->energy ? reach : 1.0;
+    }
+    while (reach <= most) {
+        trial_point(search, 2.0 * reach);
+        const double further = potential(search, search->trial);
+        if (!(further < lower)) break;
+        lower = further;
+        reach *= 2.0;
+    }
+    return reach;
+}
+
+/* Takes the step if it lowers the energy as its slope promises, or, where that is flat to rounding, the forces. */
+static bool take_step(Search *search, double reach)
 {
     const int half = search->model->n + 1;
-    const double before = search->size, energy = search->energy;
-    double slope = 0.0;
-    for (int k = 0; k < half; k++) slope += search->force[k] * search->step[k];
-    trial_point(search, 1.0);
-    const double lower = potential(search, search->trial), flat = 1e-13 * (fabs(energy) + fabs(lower));
+    const double before = search->size, energy = search->energy, slope = slope_of(search);
+    trial_point(search, reach);
+    const double lower = potential(search, search->trial), flat = 0.5 * FLAT * (fabs(energy) + fabs(lower));
     if (!isfinite(lower)) return false;
     const double through[2] = {search->through[0], search->through[1]};
     for (int k = 0; k < 2 && search->is_held; k++) search->through[k] += search->linear->through[k];
     forces(search, search->trial);
     const double size = size_of(search);
-    if (lower <= energy + 1e-4 * slope - flat || (lower <= energy + flat && size < before)) {
+    if (lower <= energy + 1e-4 * fmin(reach, 1.0) * slope - flat || (lower <= energy + flat && size < before)) {
         memcpy(search->x, search->trial, 2u * (size_t)half * sizeof *search->x);
         return true;
     }
@@ -192,51 +283,101 @@ static void push(Search *search, int times)
 
 static bool is_lost(const Search *search)
 {
-    double length = 0.0;
-    for (int i = 0; i < search->model->n; i++) length += search->model->link[LINK_LENGTH][i];
-    return !(fabs(search->x[0]) < FAR * length);
+    return !(fabs(search->x[0]) < FAR * length_of(search->model));
+}
+
+/* How far a step that is none of Newton's is shortened. */
+typedef struct {
+    double part;  /* of the stretch */
+    double share; /* of the inertia matrix [1/s^2] */
+} Caution;
+
+static void more(Caution *caution)
+{
+    if (caution->part < 1.0) {
+        caution->part = fmin(4.0 * caution->part, 1.0);
+    } else {
+        caution->share = fmax(8.0 * caution->share, FIRST_SHARE);
+    }
+}
+
+static void less(Caution *caution)
+{
+    if (caution->share == 0.0) caution->part = fmax(0.25 * caution->part, LEAST_PART);
+    caution->share = caution->share > FIRST_SHARE * 1e-6 ? caution->share / 8.0 : 0.0;
 }
 
 /* The step from here: Newton's where it may be taken, else one that goes downhill, and not too far. */
-static bool choose_step(Search *search, double *share, bool *newton)
+static bool choose_step(Search *search, Caution *caution, bool *newton)
 {
-    *newton = *share == 0.0 && find_step(search, 0.0) && largest_turn(search) < LARGEST_TURN;
+    *newton = caution->share == 0.0 && find_step(search, 0.0) && largest_turn(search) < LARGEST_TURN;
     if (*newton) return true;
-    stretch(search);
-    while (!find_step(search, *share) || largest_turn(search) > LARGEST_TURN) {
-        *share = fmax(4.0 * *share, FIRST_SHARE);
-        if (*share > LARGEST_SHARE) return false;
+    for (;;) {
+        stretch(search, caution->part);
+        if (find_step(search, caution->share) && !(largest_turn(search) > LARGEST_TURN)) return true;
+        more(caution);
+        if (caution->share > LARGEST_SHARE) return false;
     }
-    return true;
 }
 
 /* From x downhill until Newton's steps no longer get smaller; how many iterations it took. */
 static StaticsStatus descend(Search *search, double *iterations)
 {
-    double share = 0.0, last = HUGE_VAL;
+    Caution caution = {1.0, 0.0};
+    double last = HUGE_VAL;
     int pushes = 0;
     for (; *iterations < MOST_ITERATIONS; ++*iterations) {
         bool newton;
         look(search);
         if (!isfinite(search->energy) || !isfinite(search->size)) return STATICS_NOT_FINITE;
-        if (is_lost(search) || !choose_step(search, &share, &newton)) return STATICS_NO_BALANCE;
+        if (is_lost(search) || !choose_step(search, &caution, &newton)) return STATICS_NO_BALANCE;
         const double turn = fmax(largest_turn(search), fabs(search->step[0]));
         const bool converged = newton && turn < CONVERGED;
         if (converged && !(turn < 0.5 * last)) return STATICS_OK;
         last = newton ? turn : HUGE_VAL;
-        if (take_step(search)) {
-            if (!newton && turn < CONVERGED && share < FIRST_SHARE && pushes++ < MOST_PUSHES) push(search, pushes);
-            share = share > FIRST_SHARE * 1e-6 ? share / 8.0 : 0.0;
+        if (take_step(search, find_reach(search, newton))) {
+            if (!newton && turn < CONVERGED && caution.share < FIRST_SHARE && pushes++ < MOST_PUSHES)
+                push(search, pushes);
+            less(&caution);
         } else if (converged) {
             return STATICS_OK; /* as low as rounding lets it come */
-        } else if (share < FIRST_SHARE && turn < CONVERGED) {
+        } else if (caution.share < FIRST_SHARE && turn < CONVERGED) {
             if (pushes++ == MOST_PUSHES) return STATICS_NO_BALANCE;
             push(search, pushes);
         } else {
-            share = fmax(8.0 * share, FIRST_SHARE);
+            more(&caution);
         }
     }
     return STATICS_NO_BALANCE;
+}
+
+/* With the end on a spring until it is close to where it is to be, then held there. */
+static StaticsStatus descend_held(Search *search, double *iterations)
+{
+    const Model *const held = search->model;
+    const double length = length_of(held);
+    find_pin(search);
+    if (off_the_pin(search) < CLOSE * length) guess_through(search);
+    Model sprung = on_a_spring(search, length);
+    search->model = &sprung;
+    search->is_held = false;
+    double off = HUGE_VAL;
+    for (int k = 0; k < MOST_PRELOADS && !(off < CLOSE * length); k++) {
+        const StaticsStatus status = descend(search, iterations);
+        if (status != STATICS_OK) return status;
+        potential(search, search->x);
+        memcpy(sprung.preload, search->work->end_force, sizeof sprung.preload);
+        const double last = off;
+        off = off_the_pin(search);
+        for (int axis = 0; axis < 2 && off > 0.1 * last; axis++) sprung.spring[axis] *= 10.0; /* a taut cable */
+    }
+    search->model = held;
+    search->is_held = true;
+    for (int k = 0; k < 2; k++) search->through[k] = -sprung.preload[k];
+    pin_project(held, search->work, search->pin, search->x);
+    const StaticsStatus status = descend(search, iterations);
+    /* A cable that is straight between its ends, with a force across it, gives way without end as its pull grows. */
+    return status == STATICS_OK && off_the_pin(search) > ON_THE_PIN * length ? STATICS_NO_BALANCE : status;
 }
 
 StaticsStatus statics_solve(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x,
@@ -246,9 +387,8 @@ StaticsStatus statics_solve(const Model *model, const double *u, Work *work, Lin
     Search search = search_in(model, u, work, linear, block, x);
     memset(x + half, 0, (size_t)half * sizeof *x);
     figure[STATICS_iterations] = 0.0;
-    if (search.is_held) guess_through(&search);
-    if (search.is_held) pin_project(model, work, search.pin, x);
-    const StaticsStatus status = descend(&search, &figure[STATICS_iterations]);
+    double *iterations = &figure[STATICS_iterations];
+    const StaticsStatus status = search.is_held ? descend_held(&search, iterations) : descend(&search, iterations);
     cable_derivatives(model, x, u, work, search.trial);
     figure[STATICS_residual] = 0.0;
     for (int k = 0; k < half; k++)

@@ -14,10 +14,13 @@ from .fmu.archive import build_fmu
 from .fmu.twin import build_twin
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
+from .statics import Equilibrium, Modes, end_stiffness, equilibrium, modes
 
 __all__ = [
     "CableError",
+    "Equilibrium",
     "FmuError",
+    "Modes",
     "OptionError",
     "RunError",
     "Scene",
@@ -26,7 +29,10 @@ __all__ = [
     "__version__",
     "build_fmu",
     "build_twin",
+    "end_stiffness",
+    "equilibrium",
     "load_scene",
+    "modes",
     "shipped_scenes",
     "simulate",
 ]

@@ -95,7 +95,11 @@ def run(
     ] = None,
     record: Annotated[
         list[str] | None,
-        Parameter(consume_multiple=True, help="Further variables: theta, omega, or names such as theta[3]."),
+        Parameter(
+            consume_multiple=True,
+            help="Further variables: theta, omega, or names such as theta[3]; modes, stiffness: natural frequencies "
+            "with mode shapes, and the cable's end stiffness, about the equilibrium for the inputs of the start.",
+        ),
     ] = None,
     plot: Annotated[Path | None, Parameter(help="Picture of the cable at regular times, FILE.png.")] = None,
     output: Annotated[
@@ -108,6 +112,7 @@ def run(
         if values == []:
             raise OptionError(f"{option}: at least one value is expected behind it")
     given = _assignments(set_ or [])
+    asked = [name for text in record or [] for name in text.split(",")]
     what, name, frame_interval = _archive_for(scene, fmi)
     results = output or Path("build") / f"{name}.csv"
     if results.suffix not in {".csv", ".nc"}:
@@ -115,7 +120,7 @@ def run(
     check_writable(results)
     if plot:
         check_picture(plot)
-    wanted = [*(record or []), *(("theta", "y_m1") if plot else ())]
+    wanted = [*asked, *(("theta", "y_m1") if plot else ())]
     failure: RunError | None = None
     with showing_progress(name) as progress:
         try:
@@ -127,11 +132,11 @@ def run(
             if error.partial is None:
                 raise
             failure, result = error, error.partial  # type: ignore[assignment]
-    write_results(_without_angles(result, record or []), results)
+    written = write_results(_without_angles(result, asked), results)
     if plot:
         plot_frames(result, plot, frame_interval)
     print_summary(result, Console())
-    print(f"results: {results}" + (f", picture: {plot}" if plot else ""))
+    print(f"results: {', '.join(map(str, written))}" + (f", picture: {plot}" if plot else ""))
     if failure is not None:
         raise RunError(f"the run ended at t = {failure.time:g} s; the results up to then are kept.\n{failure}")
 

@@ -19,6 +19,7 @@ from .errors import OptionError
 from .files import replacing
 from .fmu.variables import Variable
 from .scene import Scene
+from .statics_results import is_over_time, write_statics
 
 __all__ = ["Recording", "dataset", "write_results"]
 
@@ -83,10 +84,13 @@ def _attributes(scene: Scene, settings: Mapping[str, Any], statistics: Mapping[s
     }
 
 
-def write_results(result: xr.Dataset, path: Path) -> None:
+def write_results(result: xr.Dataset, path: Path) -> list[Path]:
     """Write a CSV (with its metadata in PATH.json) or, by the suffix .nc, a NetCDF file.
 
-    CSV: first column `time`, then the variables under their FMI names, every double to the last bit.
+    Returns the files that hold numbers, `path` first.
+
+    CSV: first column `time`, then the variables under their FMI names, every double to the last bit. What is not over
+    time goes to NAME.modes.csv and NAME.stiffness.csv beside.
 
     Raises
     ------
@@ -98,16 +102,19 @@ def write_results(result: xr.Dataset, path: Path) -> None:
             _write_csv(result, temporary)
         with replacing(path.with_name(path.name + ".json")) as temporary:
             temporary.write_text(json.dumps(_metadata(result), indent=1) + "\n", encoding="utf-8")
-    elif path.suffix == ".nc":
+        return [path, *write_statics(result, path)]
+    if path.suffix == ".nc":
         with replacing(path) as temporary:
             result.to_netcdf(temporary, engine="scipy")
-    else:
-        raise OptionError(f"{path}: a name that ends with .csv or .nc is expected")
+        return [path]
+    raise OptionError(f"{path}: a name that ends with .csv or .nc is expected")
 
 
 def _columns(result: xr.Dataset) -> dict[str, Any]:
     columns: dict[str, Any] = {"time": result["time"].values}
     for name, variable in result.data_vars.items():
+        if not is_over_time(variable):
+            continue
         if variable.ndim == 1:
             columns[str(name)] = variable.values
             continue

@@ -25,6 +25,7 @@ from .fmu.variables import ENUMERATIONS, Kind, Variable, variables_of
 from .results import Recording, dataset
 from .scene import Scene, load_scene
 from .signals import Constant
+from .statics_results import STATICS_GROUPS, joined, statics_dataset
 
 __all__ = ["simulate"]
 
@@ -79,7 +80,8 @@ def simulate(
         states by name, SI, and the name of a solver: "automatic", "explicit" or "implicit" (used in
         Co-Simulation). What the scene derived at build time stays.
     record
-        Further variables by name; "theta" and "omega" stand for those of all links.
+        Further variables by name; "theta" and "omega" stand for those of all links. "modes" and "stiffness": natural
+        frequencies with mode shapes, and the cable's end stiffness, about the equilibrium for the inputs of the start.
     progress
         Called with the simulated and the stop time [s] after every output interval.
 
@@ -98,12 +100,17 @@ def simulate(
     scene, archive = _open(what, fmi)
     variables = _variables(scene, archive)
     settings = _settings(scene, variables, interface, stop_time, step, tolerance, parameters or {}, record)
+    statics = statics_dataset(scene, settings.given, [name for name in STATICS_GROUPS if name in settings.record])
     folder = tempfile.mkdtemp(prefix="cablefmu-")
     try:
         if archive is None:
             archive = open_fmu(build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=fmi or 2))
         extract(str(archive.path), unzipdir=str(Path(folder) / "fmu"))
-        return _run(archive, settings, str(Path(folder) / "fmu"), progress)
+        return joined(_run(archive, settings, str(Path(folder) / "fmu"), progress), statics)
+    except RunError as error:
+        if isinstance(error.partial, xr.Dataset):
+            error.partial = joined(error.partial, statics)
+        raise
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -154,7 +161,8 @@ def _settings(
     by_name = {variable.name: variable for variable in variables}
     for name, value in settings.given.items():
         _check_given(name, value, by_name)
-    recordable = [*GROUPS, *(v.name for v in variables if v.kind not in (Kind.TIME, Kind.SOLVER_CHOICE))]
+    over_time = (v.name for v in variables if v.kind not in (Kind.TIME, Kind.SOLVER_CHOICE))
+    recordable = [*GROUPS, *STATICS_GROUPS, *over_time]
     for name in settings.record:
         if name in ENUMERATIONS:
             raise OptionError(f"record {name}: it is a fixed choice, not a number over time")

@@ -27,7 +27,15 @@ def summary(result: xr.Dataset) -> dict[str, str]:
     if "energy" in result:
         energy = result["energy"].values
         lines["energy drift"] = f"{energy[-1] - energy[0]:+.6g} J, start to end (work of forces and damping included)"
-    return lines | _solver(result) | _speed(result, end)
+    return lines | _modes(result) | _solver(result) | _speed(result, end)
+
+
+def _modes(result: xr.Dataset) -> dict[str, str]:
+    """The slowest natural frequencies."""
+    if "frequency" not in result or not result["frequency"].size:
+        return {}
+    slowest = ", ".join(f"{frequency:.4g}" for frequency in result["frequency"].values[:3])
+    return {"natural frequencies": f"{slowest} Hz at the equilibrium of the start, undamped"}
 
 
 def _solver(result: xr.Dataset) -> dict[str, str]:

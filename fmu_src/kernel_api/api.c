@@ -1,0 +1,141 @@
+/*
+ * The kernel for Python: statics, and the cable linearised about a state of rest, behind flat functions, so that no
+ * layout of a C structure is repeated there [models/cablefmu/kernel.py]. Sizes of arrays are the caller's affair.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../kernel/dynamics.h"
+#include "../kernel/statics.h"
+
+#define VISIBLE __attribute__((visibility("default")))
+
+/* One cable; the derived constants, scratch and factors share one block. */
+typedef struct {
+    Model model;
+    Work work;
+    Linear linear;
+    double *block, *statics_block;
+    double *x, *derivative; /* 2 (n + 1): the state of rest */
+} Kernel;
+
+VISIBLE Kernel *kernel_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
+                           const double *link);
+VISIBLE void kernel_free(Kernel *kernel);
+VISIBLE int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure);
+VISIBLE int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration);
+VISIBLE int kernel_factor(Kernel *kernel, double stiffness, double mass);
+VISIBLE void kernel_solve(Kernel *kernel, const double *force, double *change, double *through);
+VISIBLE void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force);
+
+static size_t states_of(int n)
+{
+    return 2u * ((size_t)n + 1u);
+}
+
+/* NULL where there is no memory. link[LINK_COLUMNS][n] stays the caller's, to be kept as long as the kernel. */
+Kernel *kernel_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
+                   const double *link)
+{
+    Kernel *kernel = calloc(1, sizeof *kernel);
+    if (!kernel) return NULL;
+    const size_t size[] = {model_doubles(n), work_doubles(n), linear_doubles(n), states_of(n), states_of(n)};
+    double *part[sizeof size / sizeof *size];
+    size_t before = 0;
+    for (size_t k = 0; k < sizeof size / sizeof *size; k++) before += size[k];
+    kernel->block = calloc(before + statics_doubles(n), sizeof(double));
+    if (!kernel->block) {
+        free(kernel);
+        return NULL;
+    }
+    part[0] = kernel->block;
+    for (size_t k = 1; k < sizeof size / sizeof *size; k++) part[k] = part[k - 1] + size[k - 1];
+    kernel->x = part[3], kernel->derivative = part[4];
+    kernel->statics_block = kernel->block + before;
+    Model *model = &kernel->model;
+    model->n = n;
+    model->terminal = (Terminal)terminal;
+    model->drag = (Drag)drag;
+    model->present = present;
+    memcpy(model->parameter, parameter, sizeof model->parameter);
+    memcpy(model->rest, rest, sizeof model->rest);
+    for (size_t column = 0; column < LINK_COLUMNS; column++) model->link[column] = link + column * (size_t)n;
+    model_layout(model, part[0]);
+    work_layout(&kernel->work, n, part[1]);
+    linear_layout(&kernel->linear, n, part[2]);
+    model_prepare(model);
+    return kernel;
+}
+
+void kernel_free(Kernel *kernel)
+{
+    free(kernel->block);
+    free(kernel);
+}
+
+/* From q[n + 1] to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus, or -1 where an angle is
+ * beyond the range of the kernel's sines. */
+int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure)
+{
+    const size_t bytes = ((size_t)kernel->model.n + 1u) * sizeof *q;
+    memcpy(kernel->x, q, bytes);
+    if (angle_out_of_range(&kernel->model, kernel->x)) return -1;
+    const StaticsStatus status =
+        statics_solve(&kernel->model, u, &kernel->work, &kernel->linear, kernel->statics_block, kernel->x, figure);
+    memcpy(q, kernel->x, bytes);
+    return (int)status;
+}
+
+/*
+ * Linearised about q[n + 1] at rest. force[2][n + 1]: R through every node, x then y [N]; acceleration[n + 1]: what is
+ * left of it there. 0 where an angle is beyond the range of the kernel's sines.
+ */
+int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration)
+{
+    const size_t half = (size_t)kernel->model.n + 1u;
+    memcpy(kernel->x, q, half * sizeof *q);
+    memset(kernel->x + half, 0, half * sizeof *q);
+    if (angle_out_of_range(&kernel->model, kernel->x)) return 0;
+    cable_derivatives(&kernel->model, kernel->x, u, &kernel->work, kernel->derivative);
+    linear_point(&kernel->model, kernel->x, &kernel->work, kernel->derivative, &kernel->linear);
+    memcpy(force, kernel->linear.force_x, half * sizeof *force);
+    memcpy(force + half, kernel->linear.force_y, half * sizeof *force);
+    memcpy(acceleration, kernel->derivative + half, half * sizeof *acceleration);
+    return 1;
+}
+
+/* The factors of stiffness K + mass M about the state of kernel_rest(); how many pivots are negative, -1: singular. */
+int kernel_factor(Kernel *kernel, double stiffness, double mass)
+{
+    return linear_factor(&kernel->model, (Weights){stiffness, 0.0, mass}, &kernel->linear);
+}
+
+/* (stiffness K + mass M) change = force[n + 1], a pinned end staying; through[2]: the force that it takes [N]. */
+void kernel_solve(Kernel *kernel, const double *force, double *change, double *through)
+{
+    const double stays[2] = {0.0, 0.0};
+    linear_solve(&kernel->model, &kernel->linear, force, stays, change);
+    const bool is_pinned = kernel->linear.is_held && kernel->linear.held.per_mass == 0.0;
+    for (int k = 0; k < 2; k++) through[k] = is_pinned ? kernel->linear.through[k] : 0.0;
+}
+
+/* A heavy end's share, which linear.c keeps apart: the force through P_n by its relation, on every coordinate. */
+static void add_heavy_end(const Kernel *kernel, const double relation[2], double *force)
+{
+    const Linear *linear = &kernel->linear;
+    const double *length = kernel->model.link[LINK_LENGTH];
+    const double fx = relation[0] / linear->held.per_mass, fy = relation[1] / linear->held.per_mass;
+    force[0] += fy;
+    for (int i = 0; i < kernel->model.n; i++)
+        force[i + 1] += length[i] * (linear->cosine[i] * fx - linear->sine[i] * fy);
+}
+
+/* force[n + 1] = (stiffness K + mass M) change, without factors; what a pin takes is not in it. */
+void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force)
+{
+    const size_t half = (size_t)kernel->model.n + 1u;
+    double *q = kernel->statics_block, *a = q + half, relation[2]; /* of eight times that size */
+    for (size_t k = 0; k < half; k++) q[k] = stiffness * change[k], a[k] = mass * change[k];
+    linear_apply(&kernel->model, &kernel->linear, q, NULL, a, force, relation);
+    if (kernel->linear.is_held && kernel->linear.held.per_mass > 0.0) add_heavy_end(kernel, relation, force);
+}

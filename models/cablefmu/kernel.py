@@ -1,0 +1,220 @@
+"""The compiled kernel without an FMU: statics, and a cable linearised about a state of rest.
+
+The library is kernel.so beside the FMU's own; it never travels in an archive. Vectors have n + 1 entries, the heave of
+floater 1 [m] and the link angles [rad], forces likewise [N], [N m]; x to the right, y down.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cache
+from importlib.resources import as_file, files
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .cable import Cable, Drag, Floats, Terminal
+from .errors import OptionError, RunError
+from .fmu.table import table
+
+__all__ = ["BINDINGS", "KernelModel", "Rest", "Search", "Solution", "StaticsStatus", "library"]
+
+_POINTER, _INT, _DOUBLE = ctypes.c_void_p, ctypes.c_int, ctypes.c_double
+_ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
+
+BINDINGS: dict[str, tuple[Any, ...]] = {
+    "kernel_new": (_POINTER, _INT, _INT, _INT, ctypes.c_uint64, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_free": (None, _POINTER),
+    "kernel_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_rest": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_factor": (_INT, _POINTER, _DOUBLE, _DOUBLE),
+    "kernel_solve": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_product": (None, _POINTER, _DOUBLE, _DOUBLE, _ARRAY, _ARRAY),
+}
+"""Function -> (type of the result, types of the arguments)."""
+
+_WOUND_UP = "q: angles within 1.6e6 rad are expected"
+
+
+class StaticsStatus(IntEnum):
+    """How a search for equilibrium ended; the numbers are those of statics.h."""
+
+    OK = 0
+    NO_BALANCE = 1
+    NOT_FINITE = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """What a search for equilibrium found."""
+
+    status: StaticsStatus
+    q: Floats
+    """Where it ended, shape (n + 1,) [m, rad]"""
+    residual: float
+    """Largest acceleration left there [m/s^2, rad/s^2]"""
+    iterations: int
+
+
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """What acts at a state of rest."""
+
+    forces: Floats
+    """R through every node, on what is below it, shape (n + 1, 2) [N]; the last is what the terminal gives"""
+    acceleration: Floats
+    """What is not balanced, shape (n + 1,) [m/s^2, rad/s^2]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """Of a linear system."""
+
+    change: Floats
+    """shape (n + 1,)"""
+    through: Floats
+    """The force that a pinned end takes for it, shape (2,) [N]; zeros for other ends"""
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """The library with every function of `BINDINGS` typed.
+
+    Raises
+    ------
+    RunError
+        Where the package has none for this machine.
+    """
+    machine = f"{platform.machine()}-{sys.platform}"
+    source = files("cablefmu") / "binaries" / machine / "kernel.so"
+    if not source.is_file():
+        raise RunError(f"this installation has no compiled kernel for {machine}; statics and modes need it")
+    with as_file(source) as path:
+        loaded = ctypes.CDLL(str(path))
+    for name, (result, *arguments) in BINDINGS.items():
+        function = getattr(loaded, name)
+        function.restype, function.argtypes = result, arguments
+    return loaded
+
+
+class KernelModel:
+    """One cable in the kernel.
+
+    Parameters
+    ----------
+    cable
+        Its parameters are read once, here.
+
+    Raises
+    ------
+    RunError
+        Where the package has no kernel for this machine, or there is no memory.
+    """
+
+    def __init__(self, cable: Cable) -> None:
+        rows, links = table(), cable.links
+        self.cable = cable
+        # the order of LinkColumn in model.h; the library keeps a pointer to it
+        self._links = np.array([
+            links.length, links.mass, links.inertia, links.volume,
+            links.joint_stiffness, links.joint_damping, links.drag_area, links.drag,
+        ], dtype=np.float64)  # fmt: skip
+        self._library = library()
+        self._handle = self._library.kernel_new(
+            cable.n,
+            list(Terminal).index(cable.terminal),
+            list(Drag).index(cable.drag),
+            sum(1 << rows.parameters[name].slot for name in cable.parameters),
+            np.array([cable.parameters.get(name, 0.0) for name in rows.parameters], dtype=np.float64),
+            np.array(cable.rest_position, dtype=np.float64),
+            self._links,
+        )
+        if not self._handle:
+            raise RunError("out of memory")
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None):
+            self._library.kernel_free(self._handle)
+
+    def equilibrium(self, q: ArrayLike, inputs: Mapping[str, float]) -> Search:
+        """Search for a stable equilibrium near `q`, shape (n + 1,), under inputs by name [N].
+
+        Raises
+        ------
+        OptionError
+            A wrong shape, a value that is not finite, or an angle beyond 1.6e6 rad.
+        """
+        found, figures = self._vector("q", q).copy(), np.zeros(2)
+        status = self._library.kernel_equilibrium(self._handle, self._inputs(inputs), found, figures)
+        if status < 0:
+            raise OptionError(_WOUND_UP)
+        return Search(StaticsStatus(status), found, float(figures[0]), int(figures[1]))
+
+    def rest(self, q: ArrayLike, inputs: Mapping[str, float]) -> Rest:
+        """Linearise about `q`, shape (n + 1,), at rest under inputs by name [N]; what follows is about this state.
+
+        Raises
+        ------
+        OptionError
+            A wrong shape, a value that is not finite, or an angle beyond 1.6e6 rad.
+        """
+        force, acceleration = np.zeros((2, self.cable.n + 1)), np.zeros(self.cable.n + 1)
+        arrays = self._inputs(inputs), self._vector("q", q)
+        if not self._library.kernel_rest(self._handle, *arrays, force, acceleration):
+            raise OptionError(_WOUND_UP)
+        return Rest(force.T.copy(), acceleration)
+
+    def factor(self, *, stiffness: float, mass: float) -> int:
+        """Factorise stiffness K + mass M in O(n); how many eigenvalues are negative, or -1 where it is singular.
+
+        K is the tangent stiffness with the loads that stay as they are, M the inertia matrix.
+        """
+        return int(self._library.kernel_factor(self._handle, stiffness, mass))
+
+    def solve(self, force: ArrayLike) -> Solution:
+        """(stiffness K + mass M) change = force by the last `factor`, in O(n); a pinned end does not move.
+
+        Raises
+        ------
+        OptionError
+            A wrong shape, or a value that is not finite.
+        """
+        change, through = np.zeros(self.cable.n + 1), np.zeros(2)
+        self._library.kernel_solve(self._handle, self._vector("force", force), change, through)
+        return Solution(change, through)
+
+    def product(self, change: ArrayLike, *, stiffness: float, mass: float) -> Floats:
+        """(stiffness K + mass M) change, shape (n + 1,), in O(n); what a pinned end takes is not in it.
+
+        Raises
+        ------
+        OptionError
+            A wrong shape, or a value that is not finite.
+        """
+        force = np.zeros(self.cable.n + 1)
+        self._library.kernel_product(self._handle, stiffness, mass, self._vector("change", change), force)
+        return force
+
+    def _vector(self, name: str, given: ArrayLike) -> Floats:
+        vector = np.ascontiguousarray(given, dtype=np.float64)
+        if vector.shape != (self.cable.n + 1,):
+            raise OptionError(f"{name}: shape ({self.cable.n + 1},) is expected, got {vector.shape}")
+        if not np.all(np.isfinite(vector)):
+            raise OptionError(f"{name}: finite numbers are expected")
+        return vector
+
+    def _inputs(self, inputs: Mapping[str, float]) -> Floats:
+        """One slot for every input that any scene may have [N]."""
+        for name, force in inputs.items():
+            if name not in self.cable.inputs:
+                allowed = ", ".join(self.cable.inputs) or "none"
+                raise OptionError(f"input {name}: this cable has no such input; it has {allowed}")
+            if not np.isfinite(force):
+                raise OptionError(f"input {name} = {force}: a finite number [N] is expected")
+        return np.array([inputs.get(name, 0.0) for name in table().inputs], dtype=np.float64)
