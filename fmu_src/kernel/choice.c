@@ -10,27 +10,30 @@
  * their lengths are alike, and the explicit method is cheaper. Only its stability can make it the dearer one: it must not
  * step beyond
  *     h_s = the largest h with |R(h lambda)| <= 1,   R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 + z^5/120 + z^6/600,
- * lambda being the eigenvalue of the Jacobian of largest modulus and R the stability function of Dormand and Prince's pair.
- * lambda is measured now and then by power iteration with exact directional derivatives: in
- * (q, v) -> (v, a), a = J (q, v), the last three vectors obey a = s v + p q with lambda^2 = s lambda + p.
+ * for every eigenvalue lambda of the Jacobian, R being the stability function of Dormand and Prince's pair. Two of them are
+ * measured now and then, by power iteration with exact directional derivatives: that of the stiffest shape, the largest
+ * of M^-1 K, with the damping that M^-1 C gives to it, and the fastest decay, the largest of M^-1 C.
  *   - explicit, and its steps come near h_s: the implicit method is tried, and kept if its steps become so much longer that
- *     it pays. It may take a while until it has damped what the explicit one kept alive at the limit of its stability. So trials
- *     get longer, and rarer: each costs a tenth of the explicit steps before it, and these double from one to the next;
+ *     it pays. That is tried soon where errors say that accuracy would allow it; else it may take a while until it has
+ *     damped what the explicit one kept alive at the limit of its stability. So trials get longer, and rarer: each costs
+ *     a tenth of the explicit steps before it, and the waiting doubles from one to the next;
  *   - implicit, and steps no longer than h_s would cost less: back to the explicit method.
- * While nothing happens and the inputs rest, an explicit step is kept below h_s, or rounding would grow up to the tolerance.
- * The eigenvalue of largest modulus need not be the one that bounds h: one with less damping may. So if errors grow although
- * nothing happens, h_s was too large, and from then on counts for less.
+ * Where accuracy would allow longer steps, an explicit step is kept below h_s: beyond it vibrations would grow up to the
+ * tolerance, and an implicit trial would have to follow them. While nothing happens, errors that grow say that h_s was too
+ * large after all, and from then on it counts for less.
  */
 enum { EXPLICIT_WINDOW = 64, IMPLICIT_WINDOW = 16, TRIAL_WINDOW = 2 };
-enum { FIRST_INTERVAL = 256, LEAST_TRIAL = 4, STEPS_PER_TRIAL_STEP = 40 };
-enum { FIRST_ITERATIONS = 8, ITERATIONS = 3, QUIET_ITERATIONS = 40 };
-static const double IMPLICIT_COST = 4.0; /* explicit steps that an implicit one costs [docs/numerics.md] */
+enum { FIRST_WAIT = 256, CALM_COUNTS = 16, LEAST_TRIAL = 4, STEPS_PER_TRIAL_STEP = 40 };
+enum { FIRST_ITERATIONS = 8, ITERATIONS = 2, QUIET_ITERATIONS = 40 };
+static const double IMPLICIT_COST = 4.0; /* explicit steps that an implicit one costs [docs/solvers.md] */
 static const double GAIN = 1.2;          /* by which the other method must be cheaper */
 static const double NEAR = 0.4;          /* of h_s: longer steps are limited by stability */
 static const double SAFE = 0.85;         /* of h_s: power iteration comes from below */
+static const double EASY = 0.03;         /* scaled errors below it: accuracy would allow steps twice as long */
+static const double CALM = 1e-3;         /* four times as long: the implicit method would pay */
+static const double QUIET = 1e-3;        /* nothing happens */
 static const double GROWN = 64.0;        /* times the lowest error, while quiet: an instability */
 static const double ROUNDING = 2e-15;    /* local errors below it say nothing */
-static const double QUIET = 1e-3;        /* scaled errors below it say that nothing happens */
 
 /* |R(s e^(i phi))|^2 by Horner's rule in the complex plane, c = cos phi. */
 static double growth(double s, double c)
@@ -62,27 +65,52 @@ static double dot(const double *a, const double *b, int count)
     return sum;
 }
 
-/* h_s from q, v = "q'", a = "q''" along the fastest direction; 0 where nothing can be said. */
-static double limit_from(const double *q, const double *v, const double *a, int half)
-{
-    const double vv = dot(v, v, half), vq = dot(v, q, half), qq = dot(q, q, half), va = dot(v, a, half),
-                 qa = dot(q, a, half);
-    const double det = vv * qq - vq * vq;
-    if (!(det > 1e-24 * vv * qq)) { /* q and v are parallel: lambda is real, and already in their ratio */
-        const double rate = sqrt(vv / qq);
-        return isfinite(rate) && rate > 0.0 ? reach_of_stability(va < 0.0 ? -1.0 : 0.0) / rate : 0.0;
-    }
-    const double s = (va * qq - vq * qa) / det, p = (vv * qa - vq * va) / det, root = s * s + 4.0 * p;
-    const double modulus = root < 0.0 ? sqrt(-p) : 0.5 * (fabs(s) + sqrt(root));
-    const double cosine = root < 0.0 ? 0.5 * s / modulus : (s < 0.0 ? -1.0 : 0.0);
-    return modulus > 0.0 && isfinite(modulus) ? reach_of_stability(fmin(cosine, 0.0)) / modulus : 0.0;
-}
-
 /* Neighbouring links against each other: near the fastest motion of any chain. */
 static void first_direction(double *direction, int half)
 {
-    for (int k = 0; k < half; k++) direction[k] = 0.0, direction[half + k] = k % 2 ? 1.0 : -1.0;
-    direction[half] = 0.0;
+    direction[0] = 0.0;
+    for (int k = 1; k < half; k++) direction[k] = k % 2 ? 1.0 : -1.0;
+}
+
+/* What of the accelerations changes with the positions (of_speed = 0) or velocities (1) in `direction`, n + 1 each. */
+static const double *response(const System *system, const Vectors *vectors, const double *x, const double *direction,
+                              int of_speed)
+{
+    const double no_inputs[INPUT_COUNT] = {0.0};
+    const int half = system->model->n + 1;
+    double *const dx = vectors->stage[0];
+    memset(dx, 0, 2u * (size_t)half * sizeof *dx);
+    memcpy(dx + of_speed * half, direction, (size_t)half * sizeof *dx);
+    directional_derivatives(system->model, x, system->linear, dx, no_inputs, vectors->spare, NULL);
+    return vectors->spare + half;
+}
+
+/* Power iteration: the direction, of length 1, becomes that of the largest eigenvalue, whose modulus is returned. */
+static double largest(const System *system, const Vectors *vectors, const double *x, double *direction, int of_speed,
+                      int iterations)
+{
+    const int half = system->model->n + 1;
+    double value = 0.0;
+    for (int k = 0; k < iterations; k++) {
+        const double *found = response(system, vectors, x, direction, of_speed);
+        value = sqrt(dot(found, found, half) / dot(direction, direction, half));
+        if (!(value > 0.0 && isfinite(value))) return 0.0;
+        for (int i = 0; i < half; i++) direction[i] = found[i] / value;
+    }
+    return value;
+}
+
+static bool is_damped(const Model *model)
+{
+    return model->has_damping || model->has_drag || model->has_spring || model->parameter[P_c_m1] != 0.0;
+}
+
+/* Of lambda^2 + 2 decay lambda + stiffness = 0. */
+static double limit_of(double stiffness, double decay)
+{
+    const double modulus = sqrt(stiffness);
+    if (decay < modulus) return reach_of_stability(-fmax(decay, 0.0) / modulus) / modulus;
+    return reach_of_stability(-1.0) / (decay + sqrt(decay * decay - stiffness));
 }
 
 /* Measures h_s at x, after which the linearised chain is no longer that of an implicit step. */
@@ -90,20 +118,22 @@ static void measure(const System *system, SolverMemory *memory, const Vectors *v
 {
     const Model *model = system->model;
     const int half = model->n + 1;
-    const double no_inputs[INPUT_COUNT] = {0.0};
-    double *const w = vectors->fastest, *const next = vectors->spare, *const slope = vectors->right_side;
+    double *const slope = vectors->right_side, *const stiffest = vectors->fastest, *const fastest = stiffest + half;
     memory->has_point = false;
     memory->counter[SOLVER_rhs]++;
     cable_derivatives(model, x, memory->slope_u, system->work, slope);
     if (!directional_point(model, x, system->work, slope, system->linear)) return;
-    if (memory->chosen.limit == 0.0) first_direction(w, half);
-    for (int k = -iterations; k < 0; k++) {
-        directional_derivatives(model, x, system->linear, w, no_inputs, next, NULL);
-        const double size = sqrt(dot(next + half, next + half, half));
-        if (!(size > 0.0 && isfinite(size))) return;
-        if (k == -1) memory->chosen.limit = memory->chosen.trust * limit_from(w, next, next + half, half);
-        for (int i = 0; i < 2 * half; i++) w[i] = next[i] / size;
+    if (memory->chosen.limit == 0.0) first_direction(stiffest, half), first_direction(fastest, half);
+    const double stiffness = largest(system, vectors, x, stiffest, 0, iterations);
+    double decay = 0.0, limit = HUGE_VAL;
+    if (is_damped(model)) {
+        const double *damped = response(system, vectors, x, stiffest, 1);
+        decay = -0.5 * dot(damped, stiffest, half) / dot(stiffest, stiffest, half);
+        const double rate = largest(system, vectors, x, fastest, 1, iterations);
+        if (rate > 0.0) limit = reach_of_stability(-1.0) / rate;
     }
+    if (stiffness > 0.0) limit = fmin(limit, limit_of(stiffness, decay));
+    if (isfinite(limit)) memory->chosen.limit = memory->chosen.trust * limit;
 }
 
 static void begin_window(ChoiceMemory *chosen, int attempts)
@@ -114,18 +144,16 @@ static void begin_window(ChoiceMemory *chosen, int attempts)
     chosen->lowest_error = HUGE_VAL;
 }
 
-/* An explicit step while nothing happens. */
-static void keep_quiet(SolverMemory *memory, double h, double error)
+/* While nothing happens, errors that grow from step to step are an instability. */
+static void watch(SolverMemory *memory, double h, double error)
 {
     ChoiceMemory *chosen = &memory->chosen;
     if (h < NEAR * chosen->limit) chosen->lowest_error = HUGE_VAL; /* stable: errors grow with the step */
     chosen->lowest_error = fmin(chosen->lowest_error, fmax(error, ROUNDING / memory->tolerance));
-    if (error > GROWN * chosen->lowest_error && chosen->limit > 0.0) {
-        chosen->trust *= 0.5;
-        chosen->limit = fmin(0.5 * chosen->limit, 0.5 * h);
-        chosen->lowest_error = error;
-    }
-    if (chosen->limit > 0.0) memory->step = fmin(memory->step, SAFE * chosen->limit);
+    if (!(error > GROWN * chosen->lowest_error)) return;
+    chosen->trust *= 0.5;
+    chosen->limit = fmin(0.5 * chosen->limit, 0.5 * h);
+    chosen->lowest_error = error;
 }
 
 static void change_to(SolverMemory *memory, bool implicit)
@@ -137,31 +165,36 @@ static void change_to(SolverMemory *memory, bool implicit)
     begin_window(&memory->chosen, implicit ? TRIAL_WINDOW : EXPLICIT_WINDOW);
 }
 
+static void begin_trial(SolverMemory *memory)
+{
+    ChoiceMemory *chosen = &memory->chosen;
+    const int length = chosen->waited / STEPS_PER_TRIAL_STEP;
+    chosen->trial_left = length > LEAST_TRIAL ? length : LEAST_TRIAL;
+    change_to(memory, true);
+}
+
 static void after_explicit(const System *system, SolverMemory *memory, const Vectors *vectors, double h, double error,
                            const double *x)
 {
     ChoiceMemory *chosen = &memory->chosen;
-    if (error < QUIET && system->inputs_rest) keep_quiet(memory, h, error);
-    if (chosen->until_look > 0) return;
-    const double mean = chosen->advance / chosen->tried;
+    const bool limited = h > NEAR * chosen->limit;
+    if (error < QUIET && system->inputs_rest && chosen->limit > 0.0) watch(memory, h, error);
+    if (error < EASY && chosen->limit > 0.0) memory->step = fmin(memory->step, SAFE * chosen->limit);
+    if (limited) chosen->waited++, chosen->until_trial -= error < CALM ? CALM_COUNTS : 1;
+    if (chosen->until_look > 0 && chosen->until_trial > 0) return;
     chosen->trust = fmin(1.0, 1.1 * chosen->trust);
     measure(system, memory, vectors, x, ITERATIONS);
     begin_window(chosen, EXPLICIT_WINDOW);
-    if (!(mean > NEAR * chosen->limit)) return;
-    chosen->until_trial -= EXPLICIT_WINDOW;
-    if (chosen->until_trial > 0) return;
-    const int length = chosen->interval / STEPS_PER_TRIAL_STEP;
-    chosen->trial_left = length > LEAST_TRIAL ? length : LEAST_TRIAL;
-    change_to(memory, true);
+    if (chosen->until_trial <= 0 && h > NEAR * chosen->limit) begin_trial(memory);
 }
 
 static void back_to_explicit(SolverMemory *memory)
 {
     ChoiceMemory *chosen = &memory->chosen;
     const bool failed = chosen->trial_left > 0;
-    chosen->interval = failed && chosen->interval < SOLVER_MOST_STEPS ? 2 * chosen->interval : FIRST_INTERVAL;
-    chosen->until_trial = chosen->interval;
-    chosen->trial_left = 0;
+    chosen->wait = failed && chosen->wait < SOLVER_MOST_STEPS ? 2 * chosen->wait : FIRST_WAIT;
+    chosen->until_trial = chosen->wait;
+    chosen->trial_left = chosen->waited = 0;
     change_to(memory, false);
 }
 
@@ -192,7 +225,7 @@ void choose_at_start(const System *system, SolverMemory *memory, const Vectors *
     measure(system, memory, vectors, x, FIRST_ITERATIONS);
     /* A start from rest: only stability bounds the steps, and must be known well. */
     if (memory->step > chosen->limit) measure(system, memory, vectors, x, QUIET_ITERATIONS);
-    chosen->interval = chosen->until_trial = FIRST_INTERVAL;
+    chosen->wait = chosen->until_trial = FIRST_WAIT;
     memory->is_implicit = chosen->limit > 0.0 && memory->step > IMPLICIT_COST * GAIN * chosen->limit;
     begin_window(chosen, memory->is_implicit ? IMPLICIT_WINDOW : EXPLICIT_WINDOW);
     if (!memory->is_implicit && chosen->limit > 0.0) memory->step = fmin(memory->step, SAFE * chosen->limit);

@@ -13,7 +13,7 @@ typedef struct {
     double *stage[METHOD_STAGES]; /* slopes or increments of the stages */
     double *right_side;           /* implicit: f at a stage, and what becomes of it */
     double *force;                /* implicit: two vectors of n + 1 */
-    double *fastest;              /* direction of the largest eigenvalue [choice.c] */
+    double *fastest;              /* directions of the largest eigenvalues, two of n + 1 [choice.c] */
     double *spare;
     double *begin, *end;                 /* of the last step that went beyond t_end [dense.c] */
     double *bend[ROSENBROCK_MOST_DENSE]; /* w_k of its dense output */

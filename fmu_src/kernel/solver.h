@@ -42,8 +42,9 @@ typedef struct {
     int until_look;      /* attempts until the next look */
     double advance;      /* of the attempts since the last look [s] */
     int tried;           /* and their number */
-    int interval;        /* explicit attempts near the limit between trials of the implicit method */
+    int wait;            /* explicit attempts near the limit until a trial of the implicit method, errors above CALM */
     int until_trial;     /* of them to go */
+    int waited;          /* attempts near the limit since the last trial */
     int trial_left;      /* attempts that the present trial may still take; 0: there is none */
 } ChoiceMemory;
 
