@@ -18,8 +18,8 @@
  *     damped what the explicit one kept alive at the limit of its stability. So trials get longer, and rarer: each costs
  *     a tenth of the explicit steps before it, and the waiting doubles from one to the next;
  *   - implicit, and steps no longer than h_s would cost less: back to the explicit method.
- * Where accuracy would allow longer steps, an explicit step is kept below h_s: beyond it vibrations would grow up to the
- * tolerance, and an implicit trial would have to follow them. While nothing happens, errors that grow say that h_s was too
+ * Explicit steps are kept below h_s: beyond it vibrations would grow up to the tolerance, and an implicit trial would have
+ * to follow them. While nothing happens, errors that grow say that h_s was too
  * large after all, and from then on it counts for less.
  */
 enum { EXPLICIT_WINDOW = 64, IMPLICIT_WINDOW = 16, TRIAL_WINDOW = 2 };
@@ -28,8 +28,8 @@ enum { FIRST_ITERATIONS = 8, ITERATIONS = 2, QUIET_ITERATIONS = 40 };
 static const double IMPLICIT_COST = 4.0; /* explicit steps that an implicit one costs [docs/solvers.md] */
 static const double GAIN = 1.2;          /* by which the other method must be cheaper */
 static const double NEAR = 0.4;          /* of h_s: longer steps are limited by stability */
-static const double SAFE = 0.85;         /* of h_s: power iteration comes from below */
-static const double EASY = 0.03;         /* scaled errors below it: accuracy would allow steps twice as long */
+static const double GROWTH = 3e-3;       /* of |R|^2 that counts as none: it takes hundreds of steps to be seen */
+static const double SAFE = 0.97;         /* of h_s: power iteration comes from below */
 static const double CALM = 1e-3;         /* four times as long: the implicit method would pay */
 static const double QUIET = 1e-3;        /* nothing happens */
 static const double GROWN = 64.0;        /* times the lowest error, while quiet: an instability */
@@ -54,7 +54,7 @@ static double reach_of_stability(double c)
 {
     const double step = 1.0 / 32;
     double s = step;
-    while (s < 4.0 && growth(s + step, c) <= 1.0 + 1e-6) s += step;
+    while (s < 4.0 && growth(s + step, c) <= 1.0 + GROWTH) s += step;
     return s;
 }
 
@@ -165,6 +165,12 @@ static void change_to(SolverMemory *memory, bool implicit)
     begin_window(&memory->chosen, implicit ? TRIAL_WINDOW : EXPLICIT_WINDOW);
 }
 
+/* Implicit steps end on communication points, unless the inputs rest: too near ones leave them nothing to gain. */
+static bool may_pay(const System *system, const SolverMemory *memory)
+{
+    return (system->inputs_rest && memory->rested) || memory->span > IMPLICIT_COST * SAFE * memory->chosen.limit;
+}
+
 static void begin_trial(SolverMemory *memory)
 {
     ChoiceMemory *chosen = &memory->chosen;
@@ -179,13 +185,15 @@ static void after_explicit(const System *system, SolverMemory *memory, const Vec
     ChoiceMemory *chosen = &memory->chosen;
     const bool limited = h > NEAR * chosen->limit;
     if (error < QUIET && system->inputs_rest && chosen->limit > 0.0) watch(memory, h, error);
-    if (error < EASY && chosen->limit > 0.0) memory->step = fmin(memory->step, SAFE * chosen->limit);
+    if (chosen->limit > 0.0) memory->step = fmin(memory->step, SAFE * chosen->limit);
     if (limited) chosen->waited++, chosen->until_trial -= error < CALM ? CALM_COUNTS : 1;
     if (chosen->until_look > 0 && chosen->until_trial > 0) return;
     chosen->trust = fmin(1.0, 1.1 * chosen->trust);
     measure(system, memory, vectors, x, ITERATIONS);
     begin_window(chosen, EXPLICIT_WINDOW);
-    if (chosen->until_trial <= 0 && h > NEAR * chosen->limit) begin_trial(memory);
+    if (chosen->until_trial > 0) return;
+    chosen->until_trial = chosen->wait;
+    if (h > NEAR * chosen->limit && may_pay(system, memory)) begin_trial(memory);
 }
 
 static void back_to_explicit(SolverMemory *memory)

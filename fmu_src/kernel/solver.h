@@ -67,6 +67,7 @@ typedef struct {
     bool is_implicit;    /* the method in use */
     double tolerance;    /* relative, and absolute in rad, m, rad/s, m/s */
     double step;         /* proposed next step [s]; 0: none yet */
+    double span;         /* of the present call [s] */
     double step_before;  /* last accepted step [s] */
     double error_before; /* its scaled error */
     bool has_slope;      /* the block holds f(t, x) of the present point for the inputs slope_u */
