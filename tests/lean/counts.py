@@ -169,8 +169,8 @@ def growth(row: Mapping[str, str | int]) -> float:
 def write_page(text: str) -> None:
     """The tables into docs/lean.md, between its marks."""
     page = PAGE.read_text(encoding="utf-8")
-    pattern = re.compile(r"(<!-- counts -->\n).*?(\n<!-- end -->)", re.DOTALL)
-    PAGE.write_text(pattern.sub(lambda found: found[1] + text + found[2], page), encoding="utf-8")
+    pattern = re.compile(r"(<!-- counts -->\n).*?(<!-- end -->)", re.DOTALL)
+    PAGE.write_text(pattern.sub(lambda found: f"{found[1]}{text}\n{found[2]}", page), encoding="utf-8")
 
 
 if __name__ == "__main__":
