@@ -83,16 +83,16 @@ DEFECTS = {
     "damping missing in the Jacobian": Defect(
         "implicit steps know nothing of the joints' dampers",
         (Change("linear.c", "+ w.v * damping[i];", "+ 0.0 * damping[i];"),),
-        (),
+        ("implicit order", "linear solution"),
     ),
     "damping missing in the right-hand side": Defect(
         "joints with springs and dampers go without the dampers, but for the first",
         (Change("joints.c", f"{_PUSH} + damping[i] * (rate[i] - rate[i - 1]);", f"{_PUSH};"),),
-        (),
+        ("accelerations", "energy and power", "explicit motion", "implicit motion"),
     ),
     "damping of the floater missing": Defect(
         "floater 1 heaves undamped",
         (Change("floater.c", " - p[P_c_m1] * x[model->n + 1];", ";"),),
-        (),
+        ("accelerations", "energy and power", "explicit motion", "implicit motion"),
     ),
 }
