@@ -42,7 +42,7 @@ DEFECTS = {
     "wrong drag sign": Defect(
         "the water pushes a link the way it goes",
         (Change("water.c", "const double drag = -factor[i]", "const double drag = factor[i]"),),
-        ("accelerations", "energy and power", "explicit motion", "implicit motion", "linear solution"),
+        ("accelerations", "energy and power", "linear solution"),
     ),
     "dropped Coriolis term": Defect(
         "links turn without the centripetal acceleration of the nodes above, all that Coriolis' terms are in these "
