@@ -26,28 +26,25 @@
  * Such a cable is eliminated from the top alone, whose recursion does not mind: its middle is its end [model.c].
  */
 
+/* Whatever the compiler thinks of their size: a constant argument must reach their loops. */
+#define INLINED static inline __attribute__((always_inline))
+
 /*
  * Links 0 ... middle - 1 are eliminated from the top, the others from the tip. While the lane of the top is at link i,
  * that of the tip is at link n - 1 - i; if n is odd, the tip takes one link before that, while the top waits. From
- * the top alone, the tip's lane does the same as the top's.
+ * the top alone, the tip's lane does the same as the top's. What the two ways have in common is written once and
+ * inlined twice, with a constant for `alone`: neither pays for the other [docs/lean.md].
  */
-static inline bool from_top_alone(const Model *model)
+static inline bool is_odd(const Model *model, bool alone)
 {
-    return model->middle == model->n;
+    return !alone && model->n % 2 == 1;
 }
 
-static inline bool is_odd(const Model *model)
+static inline int first_tip(const Model *model, bool alone)
 {
-    return !from_top_alone(model) && model->n % 2 == 1;
+    return model->n - 1 - is_odd(model, alone);
 }
 
-static inline int first_tip(const Model *model)
-{
-    return model->n - 1 - is_odd(model);
-}
-
-/* Loops are inlined twice, with a constant for `alone`: what the two ways have in common is written once, and neither
- * pays for the other. */
 static inline int partner_of(int first, bool alone, int link)
 {
     return alone ? link : first - link;
@@ -73,16 +70,17 @@ static inline int tip_place(Strip strip, int link)
     return STRIP + (link - strip.tip_from);
 }
 
-static inline Strip strip_at(const Model *model, int from)
+static inline Strip strip_at(const Model *model, bool alone, int from)
 {
     const int middle = model->middle, to = from + STRIP < middle ? from + STRIP : middle;
-    if (from_top_alone(model)) return (Strip){from, to, from + STRIP, from + STRIP};
-    return (Strip){from, to, first_tip(model) - to + 1, from ? first_tip(model) - from + 1 : model->n};
+    const int first = first_tip(model, alone);
+    if (alone) return (Strip){from, to, from + STRIP, from + STRIP};
+    return (Strip){from, to, first - to + 1, from ? first - from + 1 : model->n};
 }
 
-static inline bool top_waits(const Model *model, Strip strip)
+static inline bool top_waits(const Model *model, bool alone, Strip strip)
 {
-    return strip.from == 0 && is_odd(model);
+    return strip.from == 0 && is_odd(model, alone);
 }
 
 static inline Lanes at(const double *array, int top, int tip)
@@ -113,7 +111,7 @@ static void drive_links(const Model *model, const double *x, Work *work, int fro
     }
 }
 
-static inline Inertia inertia_past(const Model *model, Work *work, Strip strip, bool alone, Inertia a, int top, int tip)
+INLINED Inertia inertia_past(const Model *model, Work *work, Strip strip, bool alone, Inertia a, int top, int tip)
 {
     const int top_at = top_place(strip, top), tip_at = tip_place(strip, tip);
     put(work->nn, top_at, tip_at, a.nn);
@@ -136,22 +134,16 @@ static Inertia with_top_of(Inertia a, Inertia before)
     return a;
 }
 
-static inline Inertia pass_strip(const Model *model, Work *work, Strip strip, bool alone, Inertia a)
+/* Passes a strip of links, keeping the inertia at every link's outer end, in the link's axes. */
+INLINED Inertia inertia_inwards(const Model *model, Work *work, Strip strip, bool alone, Inertia a)
 {
-    const int first = first_tip(model);
+    const int first = first_tip(model, alone);
+    if (top_waits(model, alone, strip)) a = with_top_of(inertia_past(model, work, strip, false, a, 0, model->n - 1), a);
     for (int i = strip.from; i < strip.to; i++) {
         a = inertia_past(model, work, strip, alone, a, i, partner_of(first, alone, i));
         if (i % 8 == 7) a = rescaled(a);
     }
     return a;
-}
-
-/* Passes a strip of links, keeping the inertia at every link's outer end, in the link's axes. */
-static Inertia inertia_inwards(const Model *model, Work *work, Strip strip, Inertia a)
-{
-    if (from_top_alone(model)) return pass_strip(model, work, strip, true, a);
-    if (top_waits(model, strip)) a = with_top_of(inertia_past(model, work, strip, false, a, 0, model->n - 1), a);
-    return pass_strip(model, work, strip, false, a);
 }
 
 /* At the middle the top stands in the axes of the link below it, the tip in those of the one above: both in the first. */
@@ -162,7 +154,7 @@ static Inertia in_middle_axes(const Model *model, const Work *work, Inertia a)
 }
 
 /* M and the bias' constant of the links above the middle, and K in the link's axes. */
-static void gains_from_top(const Model *model, Work *work, Strip strip)
+INLINED void gains_from_top(const Model *model, Work *work, Strip strip)
 {
     const double *mass = model->link[LINK_MASS], *swing = model->swing, *lever = model->lever;
     const double *rest = model->rest_share, *sine = work->sine, *cosine = work->cosine;
@@ -195,7 +187,7 @@ static void gains_from_top(const Model *model, Work *work, Strip strip)
 }
 
 /* M and the bias' constant of the links below the middle, u and 1 / J. */
-static void gains_from_tip(const Model *model, Work *work, Strip strip)
+INLINED void gains_from_tip(const Model *model, Work *work, Strip strip)
 {
     const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
     const double *reach = model->reach, *per_rotary = model->per_rotary;
@@ -223,7 +215,7 @@ static void gains_from_tip(const Model *model, Work *work, Strip strip)
     }
 }
 
-static inline Planar bias_past(Work *work, Strip strip, Planar z, int top, int tip)
+INLINED Planar bias_past(Work *work, Strip strip, Planar z, int top, int tip)
 {
     put(work->bias_x, top_place(strip, top), tip_place(strip, tip), z.x);
     put(work->bias_y, top_place(strip, top), tip_place(strip, tip), z.y);
@@ -232,22 +224,19 @@ static inline Planar bias_past(Work *work, Strip strip, Planar z, int top, int t
 }
 
 /* z <- M z + constant over a strip; z at every link's outer end is kept. */
-static Planar bias_inwards(const Model *model, Work *work, Strip strip, Planar z)
+INLINED Planar bias_inwards(const Model *model, Work *work, Strip strip, bool alone, Planar z)
 {
-    if (top_waits(model, strip)) {
+    const int first = first_tip(model, alone);
+    if (top_waits(model, alone, strip)) {
         const Planar next = bias_past(work, strip, z, 0, model->n - 1);
         z.x[FROM_TIP] = next.x[FROM_TIP], z.y[FROM_TIP] = next.y[FROM_TIP];
     }
-    const int first = first_tip(model);
-    if (from_top_alone(model))
-        for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, i);
-    else
-        for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, first - i);
+    for (int i = strip.from; i < strip.to; i++) z = bias_past(work, strip, z, i, partner_of(first, alone, i));
     return z;
 }
 
 /* Constant of the answer above the middle: K q. */
-static void answers_from_top(const Model *model, Work *work, Strip strip)
+INLINED void answers_from_top(const Model *model, Work *work, Strip strip)
 {
     const double *mass = model->link[LINK_MASS], *lever = model->lever, *sine = work->sine, *cosine = work->cosine;
     const double *bias_x = work->bias_x, *bias_y = work->bias_y, *torque = work->torque;
@@ -268,7 +257,7 @@ static void answers_from_top(const Model *model, Work *work, Strip strip)
 }
 
 /* Below it: (s - l n.f)/J, the link's acceleration if its node stood still, and that times l n. */
-static void answers_from_tip(const Model *model, Work *work, Strip strip)
+INLINED void answers_from_tip(const Model *model, Work *work, Strip strip)
 {
     const double *length = model->link[LINK_LENGTH], *sine = work->sine, *cosine = work->cosine;
     const double *bias_x = work->bias_x, *bias_y = work->bias_y, *per_pivot = work->per_pivot;
@@ -284,9 +273,10 @@ static void answers_from_tip(const Model *model, Work *work, Strip strip)
     }
 }
 
-static inline Planar pass_outwards(const Model *model, Work *work, bool alone, Planar y)
+/* y <- M^T y + constant from the middle: R above, b below. answer[i + 1] is at link i's inner end, answer[0] is R_0. */
+INLINED void pass_outwards(const Model *model, Work *work, bool alone, Planar y)
 {
-    const int first = first_tip(model);
+    const int first = first_tip(model, alone);
     for (int i = model->middle - 1; i >= 0; i--) {
         const int tip = partner_of(first, alone, i);
         put(work->answer_x, i + 1, tip + 1, y.x);
@@ -294,19 +284,23 @@ static inline Planar pass_outwards(const Model *model, Work *work, bool alone, P
         y = (Planar){at(work->m_xx, i, tip) * y.x + (at(work->m_yx, i, tip) * y.y + at(work->constant_x, i, tip)),
                      at(work->m_xy, i, tip) * y.x + (at(work->m_yy, i, tip) * y.y + at(work->constant_y, i, tip))};
     }
-    return y;
-}
-
-/* y <- M^T y + constant from the middle: R above, b below. answer[i + 1] is at link i's inner end, answer[0] is R_0. */
-static void answers_outwards(const Model *model, Work *work, Planar y)
-{
-    y = from_top_alone(model) ? pass_outwards(model, work, true, y) : pass_outwards(model, work, false, y);
-    const int last = is_odd(model) ? model->n : 0; /* the tip's last link, if it is one ahead */
+    const int last = is_odd(model, alone) ? model->n : 0; /* the tip's last link, if it is one ahead */
     put(work->answer_x, 0, last, (Lanes){y.x[FROM_TOP], last ? y.x[FROM_TIP] : y.x[FROM_TOP]});
     put(work->answer_y, 0, last, (Lanes){y.y[FROM_TOP], last ? y.y[FROM_TIP] : y.y[FROM_TOP]});
 }
 
-static void turn_links(const Model *model, const Work *work, int middle, double *acceleration)
+/* Functions of their own: in the middle of everything else this loop runs out of registers. */
+static __attribute__((noinline)) void answers_from_middle(const Model *model, Work *work, Planar y)
+{
+    pass_outwards(model, work, false, y);
+}
+
+static __attribute__((noinline)) void answers_from_terminal(const Model *model, Work *work, Planar y)
+{
+    pass_outwards(model, work, true, y);
+}
+
+INLINED void turn_links(const Model *model, const Work *work, int middle, double *acceleration)
 {
     const double *half_per_inertia = model->half_per_inertia, *per_inertia = model->per_inertia;
     const double *sine = work->sine, *cosine = work->cosine, *torque = work->torque;
@@ -378,11 +372,10 @@ static Meeting meeting_at_terminal(const Model *model, const Work *work, Inertia
     return (Meeting){rescaled(with_top_of(turned(inertia_of(port), cosine, sine), inertia)), bias, last};
 }
 
-void VARIANT(chain_accelerations)(const Model *model, const double *x, const double *u, Work *work,
-                                  double *acceleration)
+INLINED void accelerations(const Model *model, const double *x, const double *u, Work *work, bool alone,
+                           double *acceleration)
 {
     const int n = model->n, middle = model->middle;
-    const bool alone = from_top_alone(model);
     const double sum_x = work->inward_x[n], sum_y = work->inward_y[n];
     Port port[ENDS];
     top_port(model, x, u, &port[FROM_TOP]);
@@ -395,13 +388,13 @@ void VARIANT(chain_accelerations)(const Model *model, const double *x, const dou
 
     int from = 0;
     do {
-        const Strip strip = strip_at(model, from);
+        const Strip strip = strip_at(model, alone, from);
         drive_links(model, x, work, strip.from, strip.to, 0.0, 0.0);
         drive_links(model, x, work, strip.tip_from, strip.tip_to, sum_x, sum_y);
-        inertia = inertia_inwards(model, work, strip, inertia);
+        inertia = inertia_inwards(model, work, strip, alone, inertia);
         gains_from_top(model, work, strip);
         gains_from_tip(model, work, strip);
-        bias = bias_inwards(model, work, strip, bias);
+        bias = bias_inwards(model, work, strip, alone, bias);
         answers_from_top(model, work, strip);
         answers_from_tip(model, work, strip);
         from = strip.to;
@@ -415,7 +408,19 @@ void VARIANT(chain_accelerations)(const Model *model, const double *x, const dou
     const Planar met = meet(where.inertia, in_axes(free, sine, cosine), in_axes(where.bias, sine, cosine));
     Planar answer = in_world(met, sine, cosine);
     if (alone) answer.x[FROM_TIP] = answer.x[FROM_TOP], answer.y[FROM_TIP] = answer.y[FROM_TOP];
-    answers_outwards(model, work, answer);
+    if (alone)
+        answers_from_terminal(model, work, answer);
+    else
+        answers_from_middle(model, work, answer);
     acceleration[0] = top_acceleration(model, x, u, work->answer_x[0], work->answer_y[0]);
     turn_links(model, work, middle, acceleration + 1);
+}
+
+void VARIANT(chain_accelerations)(const Model *model, const double *x, const double *u, Work *work,
+                                  double *acceleration)
+{
+    if (model->middle == model->n)
+        accelerations(model, x, u, work, true, acceleration);
+    else
+        accelerations(model, x, u, work, false, acceleration);
 }

@@ -1,6 +1,8 @@
 /*
  * A submerged cable of argv[1] links, its right-hand side argv[2] times: for callgrind, which counts instructions.
- * argv[3] names what the cable has: w water, k joint springs, c joint dampers.
+ * argv[3] names what the cable has: w water that drags and bears, b water that bears alone, k joint springs, c joint
+ * dampers, r a terminal with rotary inertia, u forces on both ends; and what it ends on, s springs, f a second floater,
+ * p a pin, otherwise a load.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -24,12 +26,27 @@ static void fill(Model *model, double *column, const char *features)
         model->link[k] = column + (size_t)k * (size_t)n;
         for (int i = 0; i < n; i++) column[k * n + i] = value[k];
     }
-    const bool water = strchr(features, 'w') != NULL;
-    model->drag = water ? DRAG_COEFFICIENT : DRAG_NONE;
-    model->terminal = TERMINAL_LOAD;
+    model->drag = strchr(features, 'w') ? DRAG_COEFFICIENT : DRAG_NONE;
     double *p = model->parameter;
     p[P_g] = 9.81, p[P_M_1] = 6000.0, p[P_k_m1] = 1200.0, p[P_c_m1] = 237.6, p[P_m_c] = 60.0;
-    p[P_rho_w] = water ? 1000.0 : 0.0;
+    p[P_rho_w] = strpbrk(features, "wb") ? 1000.0 : 0.0;
+    p[P_I_Rc] = strchr(features, 'r') ? 50.0 : 0.0;
+}
+
+static void fill_end(Model *model, const char *features)
+{
+    double *p = model->parameter;
+    model->terminal = TERMINAL_LOAD;
+    model->rest[0] = model->rest[1] = 100.0;
+    if (strchr(features, 'p')) model->terminal = TERMINAL_PIN;
+    if (strchr(features, 's')) {
+        model->terminal = TERMINAL_ANCHOR_SPRING;
+        p[P_k_cH] = p[P_k_cV] = 1.2e5, p[P_c_cH] = p[P_c_cV] = 7920.0;
+    }
+    if (strchr(features, 'f')) {
+        model->terminal = TERMINAL_FLOATER;
+        p[P_M_2] = 6000.0, p[P_k_m2H] = p[P_k_m2V] = 1200.0, p[P_c_m2H] = p[P_c_m2V] = 237.6;
+    }
 }
 
 int main(int count, char **text)
@@ -45,8 +62,10 @@ int main(int count, char **text)
     model_layout(&model, next), next += model_doubles(n);
     work_layout(&work, n, next), next += work_doubles(n);
     fill(&model, next, text[3]), next += LINK_COLUMNS * (size_t)n;
+    fill_end(&model, text[3]);
     double *x = next, *derivative = next + states;
-    const double u[INPUT_COUNT] = {0};
+    double u[INPUT_COUNT] = {0};
+    for (int k = 0; k < INPUT_COUNT && strchr(text[3], 'u'); k++) u[k] = 1000.0;
     for (int i = 1; i <= n; i++) x[i] = 0.78 + 0.1 * sin(0.7 * i), x[n + 1 + i] = 0.1 * cos(1.3 * i);
     model_prepare(&model);
     for (int k = 0; k < times; k++) cable_derivatives(&model, x, u, &work, derivative);

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
+import os
 import platform
 import sys
 from collections.abc import Mapping
@@ -24,6 +25,7 @@ from cablefmu.fmu.table import table
 __all__ = [
     "BINDINGS",
     "PROBE",
+    "ROOT",
     "Kernel",
     "Run",
     "Solved",
@@ -35,7 +37,9 @@ __all__ = [
     "toolchain",
 ]
 
-PROBE = Path(__file__).with_name("probe.c")
+ROOT = Path(os.environ.get("CABLEFMU_SOURCES", Path(__file__).parents[2]))
+"""Above fmu_src; the tests of the tests point it at a copy with a planted defect [tests/mutations]."""
+PROBE = ROOT / "tests" / "kernel" / "probe.c"
 
 _POINTER, _INT, _DOUBLE, _SIZE = ctypes.c_void_p, ctypes.c_int, ctypes.c_double, ctypes.c_size_t
 _ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
@@ -78,9 +82,9 @@ Status = Literal["ok", "too many steps", "step too small", "angle too large", "i
 _STATUS: tuple[Status, ...] = ("ok", "too many steps", "step too small", "angle too large", "input failed")
 
 
-def toolchain() -> ModuleType:
-    """The recipe `fmu_src/toolchain.py`, which belongs to no package."""
-    path = Path(__file__).parents[2] / "fmu_src" / "toolchain.py"
+def toolchain(root: Path = ROOT) -> ModuleType:
+    """The recipe `fmu_src/toolchain.py` for the sources beside it; it belongs to no package."""
+    path = root / "fmu_src" / "toolchain.py"
     spec = importlib.util.spec_from_file_location("toolchain", path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
