@@ -25,6 +25,7 @@ from .progress import showing_progress
 from .results import write_results
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
+from .stress import stress
 from .summary import print_summary
 
 __all__ = ["app", "main"]
@@ -139,6 +140,9 @@ def run(
     print(f"results: {', '.join(map(str, written))}" + (f", picture: {plot}" if plot else ""))
     if failure is not None:
         raise RunError(f"the run ended at t = {failure.time:g} s; the results up to then are kept.\n{failure}")
+
+
+app.command(stress)
 
 
 def _without_angles(result: xr.Dataset, record: list[str]) -> xr.Dataset:

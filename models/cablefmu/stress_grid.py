@@ -1,7 +1,7 @@
 """The grid of stiff and extreme cases, stress.toml: each a scene and what is changed in it.
 
-The file is data alone. A case is a shipped scene's name and changes as a user would write them into the scene's file, so
-every case can be printed as a scene of its own (`cablefmu stress --show NAME`) and run by anybody.
+The file is data alone. A case is a shipped scene's name and changes as a user would write them into the scene's file,
+so every case can be printed as a scene of its own (`cablefmu stress --show NAME`) and run by anybody.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .scene_schema import CableTable, WaterTable
 
 __all__ = ["Case", "grid", "grid_from"]
 
-_OWN_KEYS = ("base", "fmi", "without", "short", "fails")
+_OWN_KEYS = ("base", "fmi", "short", "fails")
 _ALTERNATIVES = {
     "cable": CableTable.one_of,
     "water": WaterTable.one_of,
@@ -69,25 +69,27 @@ def grid() -> list[Case]:
 def grid_from(text: str) -> list[Case]:
     """The cases of a grid in TOML: tables [[group]] with name, base and what all of the group have in common
     ([group.common]), and [group.cases] with one table per case."""
-    return [
-        _case(group, key, changes)
-        for group in tomllib.loads(text)["group"]
-        for key, changes in group["cases"].items()
-    ]  # fmt: skip
+    groups = tomllib.loads(text)["group"]
+    return [_case(group, key, changes) for group in groups for key, changes in group["cases"].items()]
 
 
 def _case(group: Mapping[str, Any], key: str, own: Mapping[str, Any]) -> Case:
     name = f"{group['name']}-{key}"
-    given = {"base": group.get("base"), "fmi": 2, "without": [], "short": False, "fails": ""}
-    given |= {k: v for k, v in {**group.get("common", {}), **own}.items() if k in _OWN_KEYS}
+    base = own.get("base", group.get("base"))
     changes = _merged(_scene_keys(group.get("common", {})), _scene_keys(own))
-    scene = tomllib.loads(load_scene(given["base"]).text)
-    for table in given.pop("without"):
-        del scene[table]
-    scene = _merged(scene, changes)
-    scene["description"] = f"Stress case {name}, from {given['base']}"
+    scene = _merged(tomllib.loads(load_scene(base).text), changes)
+    scene["description"] = f"Stress case {name}, from {base}"
     scene["run"].pop("frame_interval", None)
-    return Case(name=name, group=group["name"], changes=changes, text=_toml(scene), **given)
+    return Case(
+        name,
+        group["name"],
+        base,
+        own.get("fmi", 2),
+        own.get("short", False),
+        own.get("fails", ""),
+        changes,
+        _toml(scene),
+    )
 
 
 def _scene_keys(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -22,7 +22,6 @@ from .cable import Floats, Initial
 from .errors import CableError, OptionError, RunError, UserError
 from .fmu.archive import build_fmu
 from .plot import node_positions
-from .reference import integrate
 from .scene import Scene
 from .simulate import simulate
 from .stress_grid import Case
@@ -182,6 +181,8 @@ def _motion(result: xr.Dataset) -> dict[str, Any]:
 
 def _dense(request: Request, scene: Scene) -> Answer:
     """The dissertation's matrices under scipy."""
+    from .reference import integrate  # scipy's integrators take long to load, and most commands need none
+
     if scene.cable.initial is not Initial.SHAPE:
         raise OptionError("the dense reference has no equilibrium to start from")
     step, tolerance = request.step or scene.step, request.tolerance or scene.tolerance
