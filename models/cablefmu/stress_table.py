@@ -16,7 +16,7 @@ from pathlib import Path
 
 from . import __version__
 from .files import replacing
-from .stress_verdict import ANYTHING, DENSE_LINKS, LOOSEST, NUDGE, PARTING, TIGHTER, TIGHTEST, Row
+from .stress_verdict import ANYTHING, DENSE_LINKS, LOOSEST, MULTIPLE, NUDGE, PARTING, TIGHTER, TIGHTEST, Row
 
 __all__ = ["COLUMNS", "explained", "header", "line", "made_with", "plain", "summary", "write_markdown", "write_results"]
 
@@ -136,14 +136,15 @@ def explained() -> list[str]:
     return [
         "Every case is an FMU, run through FMPy by its own solver as the case has it: the automatic choice. References"
         f" are its explicit and its implicit method at a tolerance {TIGHTER:g} times tighter (between {TIGHTEST:g} and"
-        f" {LOOSEST:g}) and, up to {DENSE_LINKS} links, the dissertation's dense matrices under scipy's DOP853 or Radau."
-        " A reference that takes too long is left out; if only one remains, it is run once more at a tenth of its"
-        " tolerance.",
+        f" {LOOSEST:g}) and, up to {DENSE_LINKS} links, the dense matrices of the dissertation under scipy's DOP853 or"
+        " Radau. A reference that takes too long is left out; if only one remains, it is run once more at a tenth of"
+        " its tolerance.",
         "The error is the largest distance of any joint of the cable from where the farthest of the references has it."
-        " Allowed are r S K: r the tolerance; S the cable's length, or how far from the origin it gets; K, at least 1,"
-        " what the motion itself makes of a small disturbance (measured by starts whose angles differ by"
-        f" {NUDGE:g} rad). Where K passes {PARTING:g}, or r K {ANYTHING:g}, the motion is chaotic for this tolerance:"
-        " it is compared up to there, and the verdict names that time.",
+        f" Allowed are {MULTIPLE:g} r S K: r the tolerance; S the cable's length, or how far from the origin it gets;"
+        " K, at least 1, what the motion itself makes of a small disturbance (measured by starts whose angles differ by"
+        f" {NUDGE:g} rad); and {MULTIPLE:g}, since what enters before a snap may grow by more than what was there at the"
+        f" start. Where K passes {PARTING:g}, or r K {ANYTHING:g}, the motion is chaotic for this tolerance: it is"
+        " compared up to there, and the verdict names that time.",
     ]
 
 
