@@ -189,13 +189,14 @@ def _dense(request: Request, scene: Scene) -> Answer:
     count = math.ceil(scene.stop_time / step * (1.0 - 1e-12))
     times = [k * step for k in range(count)] + [scene.stop_time]
     began = clock.perf_counter()
-    motion = integrate(
-        scene.cable,
-        lambda t: {name: signal(t) for name, signal in scene.signals.items()},
-        times,
-        breaks=[t for signal in scene.signals.values() for t in signal.breaks(0.0, scene.stop_time)],
-        method=request.solver, rtol=tolerance, atol=tolerance,
-    )  # fmt: skip
+    with np.errstate(all="ignore"):  # a trial step may go too far; it is refused, then shortened
+        motion = integrate(
+            scene.cable,
+            lambda t: {name: signal(t) for name, signal in scene.signals.items()},
+            times,
+            breaks=[t for signal in scene.signals.values() for t in signal.breaks(0.0, scene.stop_time)],
+            method=request.solver, rtol=tolerance, atol=tolerance,
+        )  # fmt: skip
     seconds = clock.perf_counter() - began
     theta = motion.q[:, 1:]
     along = np.stack([np.sin(theta), np.cos(theta)], axis=-1) * scene.cable.links.length[:, None]

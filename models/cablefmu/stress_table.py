@@ -74,8 +74,8 @@ def line(row: Row) -> str:
 
 def summary(rows: Sequence[Row]) -> str:
     """How many of each verdict."""
-    counts = Counter(row.verdict for row in rows)
-    return f"{len(rows)} cases: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
+    counts = Counter(row.verdict for row in rows).most_common()
+    return f"{len(rows)} case{'s'[: len(rows) > 1]}: " + ", ".join(f"{count} {verdict}" for verdict, count in counts)
 
 
 def plain(value: float, form: str) -> str:
@@ -142,8 +142,8 @@ def explained() -> list[str]:
         "The error is the largest distance of any joint of the cable from where the farthest of the references has it."
         f" Allowed are {MULTIPLE:g} r S K: r the tolerance; S the cable's length, or how far from the origin it gets;"
         " K, at least 1, what the motion itself makes of a small disturbance (measured by starts whose angles differ by"
-        f" {NUDGE:g} rad); and {MULTIPLE:g}, since what enters before a snap may grow by more than what was there at the"
-        f" start. Where K passes {PARTING:g}, or r K {ANYTHING:g}, the motion is chaotic for this tolerance: it is"
+        f" {NUDGE:g} rad); and {MULTIPLE:g}, since what enters before a snap may grow by more than what was there at"
+        f" the start. Where K passes {PARTING:g}, or r K {ANYTHING:g}, the motion is chaotic for this tolerance: it is"
         " compared up to there, and the verdict names that time.",
     ]
 

@@ -37,7 +37,7 @@ PARTING, ANYTHING = 1e3, 0.1
 FEWEST = 3
 TIGHTER, TIGHTEST, LOOSEST = 100.0, 1e-12, 1e-7
 """References: the tolerance over TIGHTER, but not below TIGHTEST, where rounding takes over, nor above LOOSEST."""
-LIMIT, REFERENCE_LIMIT, EXPLICIT_LIMIT, DENSE_LIMIT = 60.0, 40.0, 10.0, 4.0
+LIMIT, REFERENCE_LIMIT, EXPLICIT_LIMIT, DENSE_LIMIT = 60.0, 90.0, 8.0, 4.0
 """Seconds for the run itself, for a reference by the own solver, by its explicit method, by the dense matrices."""
 DENSE_LINKS = 30
 MOST_ROWS = 100
