@@ -56,7 +56,7 @@ COLUMNS: tuple[tuple[str, Callable[[Row], object]], ...] = (
 def header() -> str:
     """Above the lines."""
     return (
-        f"{'case':<28}{'n':>6}{'tol.':>7} {'solver':<9}{'steps':>8}{'time [s]':>10}{'error [m]':>11}"
+        f"{'case':<34}{'n':>6}{'tol.':>7} {'solver':<9}{'steps':>8}{'time [s]':>10}{'error [m]':>11}"
         f"{'of allowed':>12}  verdict"
     )
 
@@ -67,7 +67,7 @@ def line(row: Row) -> str:
         f"{plain(row.tolerance, '.0e'):>7} {row.solver:<9}{plain(row.figures.get('steps', math.nan), ',.0f'):>8}"
         f"{plain(row.seconds, '.3g'):>10}{plain(row.error, '.1e'):>11}{plain(row.ratio, '.2g'):>12}"
     )
-    return f"{row.case.name:<28}{row.n or '':>6}{numbers}  {row.verdict}{_until(row)}" + (
+    return f"{row.case.name:<34}{row.n or '':>6}{numbers}  {row.verdict}{_until(row)}" + (
         f": {row.message}" if row.message else ""
     )
 
