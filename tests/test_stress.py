@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import time
+import resource
 import tomllib
 from pathlib import Path
 
@@ -16,7 +16,13 @@ from cablefmu.stress_verdict import Row
 from tests.test_cli import Command, command  # noqa: F401  (a fixture)
 
 SHORT_LIMIT = 60.0
-"""[s] of the short subset; this test suite keeps other cores busy meanwhile."""
+"""[s] of processor time, and so of time on a machine that does nothing else."""
+
+
+def processor_time() -> float:
+    """What ended child processes have used [s]."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 @pytest.fixture(autouse=True)
@@ -26,10 +32,10 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_short_subset_passes_within_a_minute(command: Command) -> None:  # noqa: F811
-    began = time.monotonic()
+    began = processor_time()
     told = command("stress", "--short")
     assert (told.status, told.err) == (0, "")
-    assert time.monotonic() - began < SHORT_LIMIT
+    assert 0.0 < processor_time() - began < SHORT_LIMIT
     lines = told.out.splitlines()
     short = [case.name for case in grid() if case.short]
     assert [line.split()[0] for line in lines[1:-2]] == short and len(short) >= 12

@@ -65,7 +65,7 @@ def test_the_markdown_table_has_a_row_of_equal_width_for_every_case(rows: list[R
     text = path.read_text(encoding="utf-8")
     table = [row.replace("\\|", "") for row in text.splitlines() if row.startswith("|")]
     assert len(table) == 2 + len(rows)
-    assert {row.count("|") for row in table} == {12}
+    assert {row.count("|") for row in table} == {13}
     assert table[2].startswith(
         '| a | free-12-water: run.stop_time = "1 s", cable.links = 3 | 2 | 3 | 1e-06 | explicit | 1,234 |'
     )

@@ -112,7 +112,8 @@ def judge(case: Case, ask: Ask, folder: Path) -> Row:
 
 def _describe(row: Row, run: Answer) -> None:
     facts = run.facts
-    row.n, row.seconds, row.figures = int(facts.get("n", 0)), run.seconds, dict(run.figures)
+    row.n, row.figures = int(facts.get("n", 0)), dict(run.figures)
+    row.seconds = run.seconds if run.seconds > 0.0 else math.nan
     row.tolerance, row.stop_time = facts.get("tolerance", math.nan), facts.get("stop_time", math.nan)
     implicit = run.figures.get("implicit")
     row.solver = "" if implicit is None else {0.0: "explicit", 1.0: "implicit"}.get(implicit, "both")
