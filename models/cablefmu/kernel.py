@@ -145,7 +145,7 @@ class KernelModel:
             self._library.kernel_free(self._handle)
 
     def forces(self, inputs: Mapping[str, float]) -> Floats:
-        """Inputs by name [N] as `derivatives` and `outputs` take them: one slot for every input that any scene may have.
+        """Inputs by name [N] as `derivatives` and `outputs` take them: a slot for every input that any scene may have.
 
         Raises
         ------

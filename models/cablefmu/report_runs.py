@@ -26,7 +26,21 @@ from .scene import Scene
 from .scene_schema import OutputsTable
 from .signals import Signal
 
-__all__ = ["OUTPUTS", "Apart", "Course", "FmuRuns", "TooSlowError", "apart", "fmu_runs", "output_times", "timed", "whole"]
+__all__ = [
+    "OUTPUTS",
+    "SOLVERS",
+    "Apart",
+    "Course",
+    "FmuRuns",
+    "TooSlowError",
+    "apart",
+    "course",
+    "distance",
+    "fmu_runs",
+    "output_times",
+    "timed",
+    "whole",
+]
 
 OUTPUTS = ("x_c", "y_c", "y_m1", "tension_top", "tension_max", "energy")
 """What a course keeps over time [m, N, J]."""
@@ -111,7 +125,7 @@ def output_times(scene: Scene, step: float | None = None) -> Floats:
     return np.append(np.arange(count) * interval, scene.stop_time)
 
 
-def timed(run: Callable[[], Course], patience: float = 2.0) -> Course:
+def timed(run: Callable[[], Course], patience: float = 1.0) -> Course:
     """The cheapest of three runs, or of those that begin within `patience` [s of CPU time]."""
     best, spent = run(), 0.0
     for _ in range(2):

@@ -1,0 +1,114 @@
+"""`cablefmu report`: measures scenes one after the other, and shows and keeps what was found."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Table
+
+from .errors import OptionError, RunError
+from .files import check_writable
+from .plot import need_matplotlib
+from .report import ACCURACY, LIMIT, Report, check_options, make_report
+from .report_files import write_markdown, write_report, write_reports
+from .report_ladder import Said
+from .report_tables import Sheet, overview, sheets
+from .scene import Scene, load_scene, shipped_scenes
+
+__all__ = ["write_scene_reports"]
+
+
+def write_scene_reports(
+    names: Sequence[str], *, all_: bool, folder: Path, accuracy: float, limit: float, markdown: Path | None
+) -> None:
+    """Report on scenes; what can be refused is refused before the first is run.
+
+    Raises
+    ------
+    UserError
+        No scene, one that is not in order, an option out of range, a place that cannot be written to, or no matplotlib.
+    RunError
+        If a scene has no trusted reference; the others are reported on nevertheless.
+    """
+    scenes = _scenes(names, all_)
+    check_options(accuracy, limit)
+    need_matplotlib()
+    check_writable(folder / f"{scenes[0].name}.report.html")
+    if markdown is not None:
+        check_writable(markdown)
+    reports, failures = [], []
+    for scene in scenes:
+        try:
+            with _showing(scene.name) as say:
+                report = make_report(scene, accuracy=accuracy, limit=limit, say=say)
+        except RunError as error:
+            failures.append(str(error))
+            continue
+        reports.append(report)
+        written = write_report(report, folder)
+        _print(report, brief=len(scenes) > 1)
+        print(f"{scene.name}: {written[-1]}")
+    if len(reports) > 1:
+        print(f"all: {write_reports(reports, folder)[-1]}")
+        _table(overview(reports), Console())
+    if reports and markdown is not None:
+        write_markdown(reports, markdown, _command(names, all_, accuracy, limit, markdown))
+        print(f"table: {markdown}")
+    if failures:
+        raise RunError("\n".join(failures))
+
+
+def _scenes(names: Sequence[str], all_: bool) -> list[Scene]:
+    if all_ == bool(names):
+        raise OptionError("scenes: names of scenes are expected, or --all for those that ship, and not both")
+    scenes = [load_scene(name) for name in (shipped_scenes() if all_ else names)]
+    for k, scene in enumerate(scenes):
+        if scene.name in {before.name for before in scenes[:k]}:
+            raise OptionError(
+                f"scene {scene.name}: it was named before; once is allowed, as its files are named after it"
+            )
+    return scenes
+
+
+def _command(names: Sequence[str], all_: bool, accuracy: float, limit: float, markdown: Path) -> str:
+    """What was asked for, as it is typed."""
+    options = ["--accuracy", f"{accuracy:g}"] if accuracy != ACCURACY else []
+    options += ["--limit", f"{limit:g}"] if limit != LIMIT else []
+    return shlex.join(["cablefmu", "report", *(["--all"] if all_ else names), *options, "--markdown", str(markdown)])
+
+
+@contextmanager
+def _showing(name: str) -> Iterator[Said]:
+    """What is being run, at a terminal only."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    with Console(stderr=True).status(name) as status:
+        yield lambda text: status.update(f"{name}: {text}")
+
+
+def _print(report: Report, *, brief: bool) -> None:
+    console = Console()
+    tables = sheets(report)
+    console.print(f"\n{report.scene.name}: {report.scene.description}", markup=False, highlight=False)
+    for sheet in tables[:1] if brief else tables:
+        _table(sheet, console)
+
+
+def _table(sheet: Sheet, console: Console) -> None:
+    table = Table(
+        title=sheet.title, title_justify="left", show_header=any(sheet.head), box=SIMPLE, collapse_padding=True
+    )
+    for k, name in enumerate(sheet.head):
+        table.add_column(name, justify="left" if k == 0 or not any(sheet.head) else "right", no_wrap=k == 0)
+    for row in sheet.rows:
+        table.add_row(*row)
+    console.print(table, markup=False)
+    if sheet.note:
+        console.print(sheet.note, markup=False, highlight=False)
