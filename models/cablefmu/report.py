@@ -105,7 +105,9 @@ def make_report(
         rows = ladder(runs, reference, limit, solvers=solvers, say=say)
         steps = communication_steps(runs, reference, limit, say=say)
         best = recommended(steps, accuracy)
-        again = ladder(runs, reference, limit, step=best.step, solvers=SOLVERS, say=say) if best else []
+        again: list[Row] = []
+        if best is not None and best.step != scene.step:
+            again = ladder(runs, reference, limit, step=best.step, solvers=SOLVERS, say=say)
     links = refinement(scene, reference.horizon.time, limit, say=say)
     return Report(scene, accuracy, limit, reference, rows, steps, again, links)
 

@@ -16,7 +16,7 @@ from .errors import OptionError, RunError
 from .files import check_writable
 from .plot import need_matplotlib
 from .report import ACCURACY, LIMIT, Report, check_options, make_report
-from .report_files import write_markdown, write_report, write_reports
+from .report_files import write_index, write_markdown, write_report
 from .report_ladder import Said
 from .report_tables import Sheet, overview, sheets
 from .scene import Scene, load_scene, shipped_scenes
@@ -55,7 +55,7 @@ def write_scene_reports(
         _print(report, brief=len(scenes) > 1)
         print(f"{scene.name}: {written[-1]}")
     if len(reports) > 1:
-        print(f"all: {write_reports(reports, folder)[-1]}")
+        print(f"all: {write_index(reports, folder)}")
         _table(overview(reports), Console())
     if reports and markdown is not None:
         write_markdown(reports, markdown, _command(names, all_, accuracy, limit, markdown))
@@ -102,11 +102,10 @@ def _print(report: Report, *, brief: bool) -> None:
 
 
 def _table(sheet: Sheet, console: Console) -> None:
-    table = Table(
-        title=sheet.title, title_justify="left", show_header=any(sheet.head), box=SIMPLE, collapse_padding=True
-    )
+    has_head = any(sheet.head)
+    table = Table(title=sheet.title, title_justify="left", show_header=has_head, box=SIMPLE, collapse_padding=True)
     for k, name in enumerate(sheet.head):
-        table.add_column(name, justify="left" if k == 0 or not any(sheet.head) else "right", no_wrap=k == 0)
+        table.add_column(name, justify="left" if k == 0 or not has_head else "right", no_wrap=k == 0)
     for row in sheet.rows:
         table.add_row(*row)
     console.print(table, markup=False)

@@ -16,23 +16,7 @@ from .report_page import index_page, page
 from .report_runs import Apart
 from .report_tables import Sheet, overview
 
-__all__ = ["write_markdown", "write_report", "write_reports"]
-
-
-def write_reports(reports: Sequence[Report], folder: Path) -> list[Path]:
-    """Files of every report, and an index if there are several.
-
-    Raises
-    ------
-    OptionError
-        If the folder is not writable, or matplotlib is not installed.
-    """
-    written = [path for report in reports for path in write_report(report, folder)]
-    if len(reports) > 1:
-        index = folder / "index.html"
-        _write(index, index_page(overview(reports), [f"{report.scene.name}.report.html" for report in reports]))
-        written.append(index)
-    return written
+__all__ = ["write_index", "write_markdown", "write_report"]
 
 
 def write_report(report: Report, folder: Path) -> list[Path]:
@@ -49,6 +33,19 @@ def write_report(report: Report, folder: Path) -> list[Path]:
         _write_csv(report, temporary)
     _write(paths[2], page(report))
     return paths
+
+
+def write_index(reports: Sequence[Report], folder: Path) -> Path:
+    """index.html, which leads to the page of every report.
+
+    Raises
+    ------
+    OptionError
+        If the folder is not writable.
+    """
+    path = folder / "index.html"
+    _write(path, index_page(overview(reports), [f"{report.scene.name}.report.html" for report in reports]))
+    return path
 
 
 def _write(path: Path, text: str) -> None:
@@ -139,7 +136,7 @@ Made by `{command}`; do not edit. {made_on()}. What is measured and how: [report
 * Default: automatic, 1e-6, the scene's step. Recommended: the cheapest of all that keep {accuracy:g} m. CPU times
   contain what FMPy takes for each communication step, often the larger part.
 * Held inputs: the longest communication step that keeps {accuracy:g} m in a host that holds inputs constant over each
-  step; "exact only" where none of those tried does, "any" where inputs are constant.
+  step; "about" where that is shorter than any tried, by the order 1 of the error; "any" where inputs are constant.
 * Links: how many the same continuous cable needs for an error of 1 %, 0.1 % and 0.01 % of its length, and of its
   largest tension; "more" where even 240 are not known to be enough.
 

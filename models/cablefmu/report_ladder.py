@@ -15,7 +15,10 @@ from .report_runs import SOLVERS, Apart, Course, FmuRuns, TooSlowError, apart, o
 from .scene import Scene
 from .signals import Constant, Signal, Steps
 
-__all__ = ["CVODE", "PEERS", "TOLERANCES", "Row", "communication_steps", "ladder", "recommended"]
+__all__ = [
+    "CVODE", "DEFAULT", "PEERS", "TOLERANCES", "Row", "Said", "communication_steps", "held", "held_step", "ladder",
+    "longest_held", "order", "recommended",
+]  # fmt: skip
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 
@@ -165,6 +168,15 @@ def longest_held(rows: Iterable[Row], accuracy: float) -> Row | None:
             break
         found = row
     return found
+
+
+def held_step(rows: Iterable[Row], accuracy: float) -> float | None:
+    """The step [s] that would keep `accuracy` [m] in such a host where none that was tried does, by order 1."""
+    ended = [(row.step, row.error.position) for row in rows if row.inputs == "held" and row.error is not None]
+    if not ended:
+        return None
+    step, error = min(ended)
+    return step * accuracy / error if error > accuracy else None
 
 
 def order(x: Iterable[float], error: Iterable[float]) -> float | None:

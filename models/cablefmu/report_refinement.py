@@ -135,7 +135,9 @@ def _changed(table: T, factors: dict[str, float]) -> T:
 # --- errors against the number of links ---
 
 
-def refinement(scene: Scene, horizon: float, limit: float, *, say: Said = print) -> Refinement:
+def refinement(
+    scene: Scene, horizon: float, limit: float, *, numbers: Sequence[int] = LINKS, say: Said = print
+) -> Refinement:
     """Run a scene with 12 to 480 links and compare with what they converge to.
 
     Parameters
@@ -144,11 +146,13 @@ def refinement(scene: Scene, horizon: float, limit: float, *, say: Said = print)
         Up to when courses are compared [s].
     limit
         CPU time of every run [s]; more links than the first that are too slow are not tried.
+    numbers
+        Of links, rising; the finest must come with a half and a quarter of it.
     """
     reason = unevenness(scene)
     if reason is not None:
         return nothing(f"the cable cannot be cut anew: {reason}")
-    courses, note = _courses(scene, limit, say)
+    courses, note = _courses(scene, numbers, limit, say)
     finest = max(courses, default=0)
     if not all(links in courses for links in (finest // 2, finest // 4)):
         return nothing(note or "too few numbers of links ended")
@@ -174,11 +178,11 @@ def refinement(scene: Scene, horizon: float, limit: float, *, say: Said = print)
 _PLACES = ("x_c", "y_c", "y_m1")
 
 
-def _courses(scene: Scene, limit: float, say: Said) -> tuple[dict[int, Course], str]:
+def _courses(scene: Scene, numbers: Sequence[int], limit: float, say: Said) -> tuple[dict[int, Course], str]:
     """By number of links, the few first; and why some are missing."""
     courses: dict[int, Course] = {}
     note = ""
-    for links in LINKS:
+    for links in numbers:
         say(f"{links} links")
         try:
             with fmu_runs(refined(scene, links)) as runs:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .report import Report
-from .report_ladder import Row, order
+from .report_ladder import Row, held_step, order
 from .report_refinement import SHARES
 
 __all__ = ["Sheet", "links_enough", "overview", "setting", "sheets"]
@@ -47,7 +47,7 @@ def _conclusions(report: Report) -> Sheet:
         (f"recommended for {report.accuracy:g} m", _judged(report, report.recommended)),
     ]
     if any(row.inputs == "held" for row in report.communication):
-        rows.append(("in a host that holds inputs", _judged(report, report.longest_held)))
+        rows.append(("in a host that holds inputs", _held(report)))
     rows += [
         ("links enough, position", links_enough(report.refinement.enough_position) or report.refinement.note),
         ("links enough, largest tension", links_enough(report.refinement.enough_tension) or report.refinement.note),
@@ -74,6 +74,13 @@ def _judged(report: Report, row: Row | None) -> str:
     if row is None or row.error is None:
         return setting(row) if row is None else f"{setting(row)}: {row.note}"
     return f"{setting(row)}: {row.error.position:.2g} m off, {1e3 * row.cpu_time:.3g} ms"
+
+
+def _held(report: Report) -> str:
+    needed = held_step(report.communication, report.accuracy)
+    if report.longest_held is not None or needed is None:
+        return _judged(report, report.longest_held)
+    return f"no step that was tried; about {needed:.1g} s, as the error is of first order in the step"
 
 
 def links_enough(enough: dict[float, int | None]) -> str:
@@ -172,8 +179,6 @@ def overview(reports: Sequence[Report]) -> Sheet:
 def _overview_row(report: Report) -> tuple[str, ...]:
     reference, best, found = report.reference, report.recommended, report.refinement
     good_to = f"{reference.difference.position:.1g}"
-    held = report.longest_held
-    has_held = any(row.inputs == "held" for row in report.communication)
     return (
         report.scene.name,
         str(report.scene.cable.n),
@@ -182,7 +187,7 @@ def _overview_row(report: Report) -> tuple[str, ...]:
         *_brief(report.default),
         setting(best),
         *(_brief(best) if best is not None else ("", "")),
-        (f"{held.step:g}" if held else "exact only") if has_held else "any",
+        _held_brief(report),
         _enough_text(found.enough_position),
         _enough_text(found.enough_tension),
     )
@@ -190,6 +195,15 @@ def _overview_row(report: Report) -> tuple[str, ...]:
 
 def _brief(row: Row) -> tuple[str, str]:
     return (row.note, "") if row.error is None else (f"{row.error.position:.1g}", f"{1e3 * row.cpu_time:.3g}")
+
+
+def _held_brief(report: Report) -> str:
+    if not any(row.inputs == "held" for row in report.communication):
+        return "any"
+    found, needed = report.longest_held, held_step(report.communication, report.accuracy)
+    if found is not None:
+        return f"{found.step:g}"
+    return f"about {needed:.1g}" if needed is not None else "not known"
 
 
 def _enough_text(enough: dict[float, int | None]) -> str:
