@@ -79,7 +79,9 @@ def _axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
 def _work_precision(
     report: Report, x: str, price: Callable[[Row], float], y: str, error: Callable[[Apart], float]
 ) -> Figure:
-    figure, axes = _axes(f"{y.partition(' [')[0]} against {x.partition(' [')[0]}", x, y)
+    figure, axes = _axes(
+        f"{y.partition(' [')[0]} against {x.partition(' [')[0]}".capitalize().replace("cpu", "CPU"), x, y
+    )
     for solver, color in _COLORS.items():
         ended = [(price(row), error(row.error)) for row in report.ladder if row.solver == solver and row.error]
         if not ended:
