@@ -23,7 +23,7 @@ from .fmu.variables import ENUMERATIONS
 from .plot import check_picture, plot_frames
 from .progress import showing_progress
 from .report import ACCURACY, LIMIT
-from .report_command import write_scene_reports
+from .report_command import Asked, write_scene_reports
 from .results import write_results
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
@@ -152,10 +152,12 @@ def report(
     ] = Path("build") / "report",
     accuracy: Annotated[float, Parameter(help="Position error [m] that a setting is recommended for.")] = ACCURACY,
     limit: Annotated[float, Parameter(help="CPU time [s] that a single run may take.")] = LIMIT,
+    peers: Annotated[bool, Parameter(help="Whether CVode and scipy's integrators are compared with.")] = True,
     markdown: Annotated[Path | None, Parameter(help="A table of all the scenes, FILE.md.")] = None,
 ) -> None:
     """Measure error against run time: solvers, tolerances, communication steps, numbers of links."""
-    write_scene_reports(scenes, all_=all_, folder=output, accuracy=accuracy, limit=limit, markdown=markdown)
+    asked = Asked(scenes, all_, accuracy=accuracy, limit=limit, peers=peers, markdown=markdown)
+    write_scene_reports(asked, folder=output)
 
 
 def _without_angles(result: xr.Dataset, record: list[str]) -> xr.Dataset:

@@ -6,6 +6,7 @@ import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.box import SIMPLE
@@ -17,16 +18,39 @@ from .files import check_writable
 from .plot import need_matplotlib
 from .report import ACCURACY, LIMIT, Report, check_options, make_report
 from .report_files import write_index, write_markdown, write_report
-from .report_ladder import Said
+from .report_ladder import PEERS, Said
+from .report_runs import SOLVERS
 from .report_tables import Sheet, overview, sheets
 from .scene import Scene, load_scene, shipped_scenes
 
-__all__ = ["write_scene_reports"]
+__all__ = ["Asked", "write_scene_reports"]
 
 
-def write_scene_reports(
-    names: Sequence[str], *, all_: bool, folder: Path, accuracy: float, limit: float, markdown: Path | None
-) -> None:
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What the command was given."""
+
+    names: Sequence[str]
+    all_: bool
+    """All scenes that ship, instead of names"""
+    accuracy: float
+    """[m]"""
+    limit: float
+    """[s]"""
+    peers: bool
+    markdown: Path | None
+
+    def __str__(self) -> str:
+        """As it is typed."""
+        words = ["--all"] if self.all_ else list(self.names)
+        words += ["--accuracy", f"{self.accuracy:g}"] if self.accuracy != ACCURACY else []
+        words += ["--limit", f"{self.limit:g}"] if self.limit != LIMIT else []
+        words += [] if self.peers else ["--no-peers"]
+        words += ["--markdown", str(self.markdown)] if self.markdown is not None else []
+        return shlex.join(["cablefmu", "report", *words])
+
+
+def write_scene_reports(asked: Asked, *, folder: Path) -> None:
     """Report on scenes; what can be refused is refused before the first is run.
 
     Raises
@@ -36,17 +60,18 @@ def write_scene_reports(
     RunError
         If a scene has no trusted reference; the others are reported on nevertheless.
     """
-    scenes = _scenes(names, all_)
-    check_options(accuracy, limit)
+    scenes = _scenes(asked.names, asked.all_)
+    check_options(asked.accuracy, asked.limit)
     need_matplotlib()
     check_writable(folder / f"{scenes[0].name}.report.html")
-    if markdown is not None:
-        check_writable(markdown)
+    if asked.markdown is not None:
+        check_writable(asked.markdown)
+    solvers = (*SOLVERS, *(PEERS if asked.peers else ()))
     reports, failures = [], []
     for scene in scenes:
         try:
             with _showing(scene.name) as say:
-                report = make_report(scene, accuracy=accuracy, limit=limit, say=say)
+                report = make_report(scene, accuracy=asked.accuracy, limit=asked.limit, solvers=solvers, say=say)
         except RunError as error:
             failures.append(str(error))
             continue
@@ -57,9 +82,9 @@ def write_scene_reports(
     if len(reports) > 1:
         print(f"all: {write_index(reports, folder)}")
         _table(overview(reports), Console())
-    if reports and markdown is not None:
-        write_markdown(reports, markdown, _command(names, all_, accuracy, limit, markdown))
-        print(f"table: {markdown}")
+    if reports and asked.markdown is not None:
+        write_markdown(reports, asked.markdown, str(asked))
+        print(f"table: {asked.markdown}")
     if failures:
         raise RunError("\n".join(failures))
 
@@ -74,13 +99,6 @@ def _scenes(names: Sequence[str], all_: bool) -> list[Scene]:
                 f"scene {scene.name}: it was named before; once is allowed, as its files are named after it"
             )
     return scenes
-
-
-def _command(names: Sequence[str], all_: bool, accuracy: float, limit: float, markdown: Path) -> str:
-    """What was asked for, as it is typed."""
-    options = ["--accuracy", f"{accuracy:g}"] if accuracy != ACCURACY else []
-    options += ["--limit", f"{limit:g}"] if limit != LIMIT else []
-    return shlex.join(["cablefmu", "report", *(["--all"] if all_ else names), *options, "--markdown", str(markdown)])
 
 
 @contextmanager

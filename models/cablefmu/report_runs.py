@@ -125,7 +125,7 @@ def output_times(scene: Scene, step: float | None = None) -> Floats:
     return np.append(np.arange(count) * interval, scene.stop_time)
 
 
-def timed(run: Callable[[], Course], patience: float = 1.0) -> Course:
+def timed(run: Callable[[], Course], patience: float = 0.5) -> Course:
     """The cheapest of three runs, or of those that begin within `patience` [s of CPU time]."""
     best, spent = run(), 0.0
     for _ in range(2):
