@@ -247,13 +247,15 @@ def test_without_matplotlib_it_is_said_what_to_install(
 
 
 def test_a_real_run_leaves_its_files_and_a_table(command: Callable[..., Any], few_links: None, tmp_path: Path) -> None:
-    status, out, err = command("short.toml", "--limit", "20", "--markdown", "all.md")
+    status, out, err = command("short.toml", "--limit", "20", "--no-peers", "--markdown", "all.md")
     assert (status, err) == (0, "")
     made = tmp_path / "build" / "report"
     assert {path.name for path in made.iterdir()} == {f"short.report.{kind}" for kind in ("json", "csv", "html")}
-    for words in ("What it says", "Error against price", "Communication step", "Number of links", "Radau"):
+    for words in ("What it says", "Error against price", "Communication step", "Number of links", "automatic"):
         assert words in out
-    assert "cablefmu report short.toml --limit 20 --markdown all.md" in (tmp_path / "all.md").read_text()
+    assert "LSODA" not in out
+    asked = "cablefmu report short.toml --limit 20 --no-peers --markdown all.md"
+    assert asked in (tmp_path / "all.md").read_text()
 
 
 def test_a_scene_without_a_reference_does_not_keep_others_from_theirs(

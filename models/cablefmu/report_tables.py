@@ -100,12 +100,14 @@ _RESULTS = ("position [m]", "pull [N]", "pull rel.", "energy [J]", "CPU [ms]", "
 
 
 def _ladder(report: Report) -> Sheet:
-    note = (
-        "Errors: the largest over the output times; the pull is that at the top. CPU time without building the FMU. "
-        "CVode (FMPy's, on the Model Exchange FMU) and scipy's DOP853, Radau and LSODA (on the kernel) evaluate "
-        "through Python call-backs: RHS, the number of right-hand sides, is the fairer comparison with them. scipy's "
-        f"values between its steps come of its dense output.{_reasons(report.ladder)}"
-    )
+    note = "Errors: the largest over the output times; the pull is that at the top. CPU time without building the FMU."
+    if any(not row.is_own for row in report.ladder):
+        note += (
+            " CVode (FMPy's, on the Model Exchange FMU) and scipy's DOP853, Radau and LSODA (on the kernel) evaluate "
+            "through Python call-backs: RHS, the number of right-hand sides, is the fairer comparison with them. "
+            "scipy's values between its steps come of its dense output."
+        )
+    note += _reasons(report.ladder)
     return Sheet("Error against price", ("solver", "tol.", *_RESULTS), _by_tolerance(report.ladder), note)
 
 
