@@ -1,6 +1,7 @@
 /*
- * The kernel for Python: statics, and the cable linearised about a state of rest, behind flat functions, so that no
- * layout of a C structure is repeated there [models/cablefmu/kernel.py]. Sizes of arrays are the caller's affair.
+ * The kernel for Python: its right-hand side and outputs, statics, and the cable linearised about a state of rest,
+ * behind flat functions, so that no layout of a C structure is repeated there [models/cablefmu/kernel.py]. Sizes of
+ * arrays are the caller's affair.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +23,8 @@ typedef struct {
 VISIBLE Kernel *kernel_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
                            const double *link);
 VISIBLE void kernel_free(Kernel *kernel);
+VISIBLE int kernel_derivatives(Kernel *kernel, const double *x, const double *u, double *derivative);
+VISIBLE int kernel_outputs(Kernel *kernel, const double *x, const double *u, double *output);
 VISIBLE int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure);
 VISIBLE int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration);
 VISIBLE int kernel_factor(Kernel *kernel, double stiffness, double mass);
@@ -71,6 +74,22 @@ void kernel_free(Kernel *kernel)
 {
     free(kernel->block);
     free(kernel);
+}
+
+/* derivative[2 (n + 1)] of x' = f(x, u). 0 where an angle is beyond the range of the kernel's sines. */
+int kernel_derivatives(Kernel *kernel, const double *x, const double *u, double *derivative)
+{
+    if (angle_out_of_range(&kernel->model, x)) return 0;
+    cable_derivatives(&kernel->model, x, u, &kernel->work, derivative);
+    return 1;
+}
+
+/* Every output[OUTPUT_COUNT] at (x, u). 0 where an angle is beyond the range of the kernel's sines. */
+int kernel_outputs(Kernel *kernel, const double *x, const double *u, double *output)
+{
+    if (!kernel_derivatives(kernel, x, u, kernel->derivative)) return 0;
+    cable_outputs(&kernel->model, x, kernel->derivative, &kernel->work, output, true);
+    return 1;
 }
 
 /* From q[n + 1] to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus, or -1 where an angle is

@@ -22,6 +22,8 @@ from .fmu.twin import build_twin
 from .fmu.variables import ENUMERATIONS
 from .plot import check_picture, plot_frames
 from .progress import showing_progress
+from .report import ACCURACY, LIMIT
+from .report_command import Asked, write_scene_reports
 from .results import write_results
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
@@ -140,6 +142,23 @@ def run(
     print(f"results: {', '.join(map(str, written))}" + (f", picture: {plot}" if plot else ""))
     if failure is not None:
         raise RunError(f"the run ended at t = {failure.time:g} s; the results up to then are kept.\n{failure}")
+
+
+@app.command
+def report(
+    *scenes: SceneName,
+    all_: Annotated[bool, Parameter(name="--all", negative=(), help="All scenes that ship.")] = False,
+    output: Annotated[
+        Path, Parameter(name=["--output", "-o"], help="Folder for NAME.report.html, .json and .csv.")
+    ] = Path("build") / "report",
+    accuracy: Annotated[float, Parameter(help="Position error [m] that a setting is recommended for.")] = ACCURACY,
+    limit: Annotated[float, Parameter(help="CPU time [s] that a single run may take.")] = LIMIT,
+    peers: Annotated[bool, Parameter(help="Whether CVode and scipy's integrators are compared with.")] = True,
+    markdown: Annotated[Path | None, Parameter(help="A table of all the scenes, FILE.md.")] = None,
+) -> None:
+    """Measure error against run time: solvers, tolerances, communication steps, numbers of links."""
+    asked = Asked(scenes, all_, accuracy=accuracy, limit=limit, peers=peers, markdown=markdown)
+    write_scene_reports(asked, folder=output)
 
 
 app.command(stress)

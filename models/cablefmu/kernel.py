@@ -1,4 +1,4 @@
-"""The compiled kernel without an FMU: statics, and a cable linearised about a state of rest.
+"""The compiled kernel without an FMU: its right-hand side, statics, and a cable linearised about a state of rest.
 
 The library is kernel.so beside the FMU's own; it never travels in an archive. Vectors have n + 1 entries, the heave of
 floater 1 [m] and the link angles [rad], forces likewise [N], [N m]; x to the right, y down.
@@ -31,6 +31,8 @@ _ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 BINDINGS: dict[str, tuple[Any, ...]] = {
     "kernel_new": (_POINTER, _INT, _INT, _INT, ctypes.c_uint64, _ARRAY, _ARRAY, _ARRAY),
     "kernel_free": (None, _POINTER),
+    "kernel_derivatives": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_outputs": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "kernel_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "kernel_rest": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "kernel_factor": (_INT, _POINTER, _DOUBLE, _DOUBLE),
@@ -141,6 +143,48 @@ class KernelModel:
     def __del__(self) -> None:
         if getattr(self, "_handle", None):
             self._library.kernel_free(self._handle)
+
+    def forces(self, inputs: Mapping[str, float]) -> Floats:
+        """Inputs by name [N] as `derivatives` and `outputs` take them: a slot for every input that any scene may have.
+
+        Raises
+        ------
+        OptionError
+            An input that the cable does not have, or a value that is not finite.
+        """
+        return self._inputs(inputs)
+
+    def derivatives(self, x: Floats, forces: Floats) -> Floats:
+        """Evaluate x' = f(x, u) as the FMU does, for x = (q, v) of shape (2 (n + 1),) and `forces` as above.
+
+        NaN where `x` is not finite or an angle is beyond 1.6e6 rad: an integrator's trial step that went too far.
+
+        Raises
+        ------
+        OptionError
+            A wrong shape.
+        """
+        derivative = np.empty(2 * (self.cable.n + 1))
+        if x.shape != derivative.shape:
+            raise OptionError(f"x: shape {derivative.shape} is expected, got {x.shape}")
+        if not self._library.kernel_derivatives(self._handle, np.ascontiguousarray(x), forces, derivative):
+            derivative.fill(np.nan)
+        return derivative
+
+    def outputs(self, x: Floats, forces: Floats) -> dict[str, float]:
+        """Evaluate every output by its FMI name, for x and `forces` as `derivatives` takes them.
+
+        Raises
+        ------
+        OptionError
+            A wrong shape, a value that is not finite, or an angle beyond 1.6e6 rad.
+        """
+        values = np.zeros(len(table().outputs))
+        if x.shape != (2 * (self.cable.n + 1),) or not np.all(np.isfinite(x)):
+            raise OptionError(f"x: {2 * (self.cable.n + 1)} finite numbers are expected")
+        if not self._library.kernel_outputs(self._handle, np.ascontiguousarray(x), forces, values):
+            raise OptionError(_WOUND_UP)
+        return dict(zip(table().outputs, values.tolist(), strict=True))
 
     def equilibrium(self, q: ArrayLike, inputs: Mapping[str, float]) -> Search:
         """Search for a stable equilibrium near `q`, shape (n + 1,), under inputs by name [N].

@@ -16,7 +16,7 @@ from .files import check_writable, replacing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_picture", "draw_frames", "node_positions", "plot_frames"]
+__all__ = ["check_picture", "draw_frames", "need_matplotlib", "node_positions", "plot_frames"]
 
 
 def node_positions(result: xr.Dataset) -> tuple[Floats, Floats]:
@@ -70,7 +70,7 @@ def check_picture(path: Path) -> None:
     OptionError
         If matplotlib is not installed, knows no such suffix, or the folder is not writable.
     """
-    _need_matplotlib()
+    need_matplotlib()
     from matplotlib.backend_bases import FigureCanvasBase
 
     kinds = FigureCanvasBase.get_supported_filetypes()
@@ -80,7 +80,7 @@ def check_picture(path: Path) -> None:
     check_writable(path)
 
 
-def _need_matplotlib() -> None:
+def need_matplotlib() -> None:
     if importlib.util.find_spec("matplotlib") is None:
         raise OptionError("a picture needs matplotlib: pip install 'cablefmu[plot]'")
 
@@ -93,7 +93,7 @@ def draw_frames(result: xr.Dataset, interval: float) -> Figure:
     OptionError
         If matplotlib is not installed.
     """
-    _need_matplotlib()
+    need_matplotlib()
     from matplotlib import colormaps
     from matplotlib.figure import Figure
 

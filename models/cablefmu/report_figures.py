@@ -1,0 +1,156 @@
+"""Figures of a report as SVG, to be put into a page: texts are drawn as paths, and nothing is fetched."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .plot import need_matplotlib
+from .report import Report
+from .report_ladder import Row
+from .report_runs import SOLVERS, Apart
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["figures"]
+
+_COLORS = {
+    "explicit": "#0b6fb8", "implicit": "#d1495b", "automatic": "#2e8b57", "CVode": "#8a6d3b",
+    "DOP853": "#7d5ba6", "Radau": "#e08e2b", "LSODA": "#7a8794",
+}  # fmt: skip
+_ZERO = 1e-16
+"""An error of nothing has no place on a logarithmic axis."""
+
+
+def figures(report: Report) -> list[str]:
+    """Every figure as the text of one <svg> element.
+
+    Raises
+    ------
+    OptionError
+        If matplotlib is not installed.
+    """
+    need_matplotlib()
+    return [_svg(figure, f"f{k}-") for k, figure in enumerate(_drawn(report))]
+
+
+def _drawn(report: Report) -> Iterator[Figure]:
+    price = [("CPU time [s]", _cpu_time), ("right-hand sides", _rhs)]
+    for label, x in price:
+        yield _work_precision(report, label, x, "position error [m]", lambda e: e.position)
+    for name, of in _OTHER_ERRORS:
+        yield _work_precision(report, "CPU time [s]", _cpu_time, name, of)
+    yield _communication(report)
+    if report.refinement.steps:
+        yield _links(report)
+    yield _growth(report)
+
+
+_OTHER_ERRORS: tuple[tuple[str, Callable[[Apart], float]], ...] = (
+    ("pull at the top, relative error", lambda e: e.tension_relative),
+    ("energy error [J]", lambda e: e.energy),
+)
+
+
+def _cpu_time(row: Row) -> float:
+    return row.cpu_time
+
+
+def _rhs(row: Row) -> float:
+    return float(row.rhs)
+
+
+def _axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.0, 4.2), layout="constrained")
+    axes = figure.add_subplot()
+    axes.set(xlabel=x, ylabel=y, title=title, xscale="log", yscale="log")
+    axes.grid(alpha=0.3)
+    return figure, axes
+
+
+def _work_precision(
+    report: Report, x: str, price: Callable[[Row], float], y: str, error: Callable[[Apart], float]
+) -> Figure:
+    figure, axes = _axes(
+        f"{y.partition(' [')[0]} against {x.partition(' [')[0]}".capitalize().replace("cpu", "CPU"), x, y
+    )
+    for solver, color in _COLORS.items():
+        ended = [(price(row), error(row.error)) for row in report.ladder if row.solver == solver and row.error]
+        if not ended:
+            continue
+        across, up = np.maximum(np.array(ended), _ZERO).T
+        style = "-o" if solver in SOLVERS else "--s"
+        axes.plot(across, up, style, color=color, markersize=4, linewidth=1.4, label=solver)
+    if y.startswith("position"):
+        axes.axhline(report.accuracy, color="black", linewidth=0.8, linestyle=":")
+        best = report.recommended
+        if best is not None and best.error is not None:
+            axes.plot(
+                price(best), max(best.error.position, _ZERO), "*", color="black", markersize=11, label="recommended"
+            )
+    axes.legend(fontsize="small")
+    return figure
+
+
+def _communication(report: Report) -> Figure:
+    figure, axes = _axes("Communication step (automatic, 1e-6)", "communication step [s]", "position error [m]")
+    for inputs, color in (("exact", "#2e8b57"), ("held", "#d1495b")):
+        ended = [(row.step, row.error.position) for row in report.communication if row.inputs == inputs and row.error]
+        if ended:
+            across, up = np.maximum(np.array(ended), _ZERO).T
+            axes.plot(across, up, "-o", color=color, markersize=4, label=f"inputs {inputs}")
+    axes.axhline(report.accuracy, color="black", linewidth=0.8, linestyle=":")
+    axes.legend(fontsize="small")
+    return figure
+
+
+def _links(report: Report) -> Figure:
+    figure, axes = _axes("The same cable in more links", "links", "error")
+    steps = report.refinement.steps
+    lines: Sequence[tuple[str, str, list[float]]] = (
+        ("position over the cable's length", "#0b6fb8", [step.position for step in steps]),
+        ("largest tension, relative", "#d1495b", [step.tension for step in steps]),
+    )
+    for label, color, errors in lines:
+        axes.plot(
+            [step.links for step in steps], np.maximum(errors, _ZERO), "-o", color=color, markersize=4, label=label
+        )
+    axes.legend(fontsize="small")
+    return figure
+
+
+def _growth(report: Report) -> Figure:
+    figure, axes = _axes("Two starts 1e-9 rad apart", "time [s]", "distance [m]")
+    axes.set_xscale("linear")
+    axes.plot(report.reference.course.times, np.maximum(report.reference.horizon.growth, _ZERO), color="#0b6fb8")
+    axes.axhline(report.accuracy, color="black", linewidth=0.8, linestyle=":")
+    if report.reference.horizon.is_chaotic:
+        axes.axvline(report.reference.horizon.time, color="#d1495b", linewidth=1.0, label="horizon")
+        axes.legend(fontsize="small")
+    return figure
+
+
+# --- SVG ---
+
+
+def _svg(figure: Figure, prefix: str) -> str:
+    """The <svg> element alone, without metadata; its ids are marked so that several go on one page."""
+    from matplotlib import rc_context
+
+    text = io.StringIO()
+    with rc_context({"svg.fonttype": "path", "svg.hashsalt": prefix}):
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    element = text.getvalue()
+    element = element[element.index("<svg") :]
+    element = re.sub(r"<metadata>.*?</metadata>", "", element, flags=re.DOTALL)
+    element = re.sub(r'\bid="', f'id="{prefix}', element)
+    element = element.replace('href="#', f'href="#{prefix}').replace("url(#", f"url(#{prefix}")
+    return element.strip()
