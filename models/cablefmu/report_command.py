@@ -81,7 +81,7 @@ def write_scene_reports(asked: Asked, *, folder: Path) -> None:
         print(f"{scene.name}: {written[-1]}")
     if len(reports) > 1:
         print(f"all: {write_index(reports, folder)}")
-        _table(overview(reports), Console())
+        _table(_narrow(overview(reports)), Console())
     if reports and asked.markdown is not None:
         write_markdown(reports, asked.markdown, str(asked))
         print(f"table: {asked.markdown}")
@@ -117,6 +117,12 @@ def _print(report: Report, *, brief: bool) -> None:
     console.print(f"\n{report.scene.name}: {report.scene.description}", markup=False, highlight=False)
     for sheet in tables[:1] if brief else tables:
         _table(sheet, console)
+
+
+def _narrow(sheet: Sheet) -> Sheet:
+    """What fits a terminal: scene, horizon, error and CPU time at the default, recommended setting."""
+    rows = [tuple(row[k] for k in (0, 3, 4, 5, 6)) for row in (sheet.head, *sheet.rows)]
+    return Sheet(sheet.title, rows[0], rows[1:], sheet.note)
 
 
 def _table(sheet: Sheet, console: Console) -> None:

@@ -125,14 +125,16 @@ def write_markdown(reports: Sequence[Report], path: Path, command: str) -> None:
     OptionError
         If the file cannot be written.
     """
-    accuracy = reports[0].accuracy
+    accuracy, tolerance = reports[0].accuracy, max(report.reference.tolerance for report in reports)
     text = f"""# How wrong, how fast: all scenes
 
-Made by `{command}`; do not edit. {made_on()}. What is measured and how: [report](../report.md).
+Made by `{command}`; do not edit.
+{made_on()}. What is measured and how: [report](../report.md).
 
 * Errors are the largest of the terminal's and the floater's distance from the reference over all output times up to
-  the horizon. The reference is the scene's own FMU at tolerance {reports[0].reference.tolerance:g}; what it is good to
-  is its distance from a dense NumPy model under scipy's DOP853, which shares no code with it.
+  the horizon. The reference is the scene's own FMU at tolerance {tolerance:g}; what it is good to is its distance
+  from a dense NumPy model under scipy's DOP853, which shares no code with it. Where that takes more than a minute, the
+  FMU's explicit method is compared with its implicit one ("own solver only").
 * Default: automatic, 1e-6, the scene's step. Recommended: the cheapest of all that keep {accuracy:g} m. CPU times
   contain what FMPy takes for each communication step, often the larger part.
 * Held inputs: the longest communication step that keeps {accuracy:g} m in a host that holds inputs constant over each
