@@ -76,10 +76,10 @@ class Worker:
 
     def ask(self, request: Request, limit: float) -> Answer:
         """The answer, or a hang after `limit` seconds."""
-        if self._pipe is None:
-            self._begin()
-        assert self._pipe is not None
         try:
+            if self._pipe is None:
+                self._begin()
+            assert self._pipe is not None
             self._pipe.send(request)
             if self._pipe.poll(limit):
                 answer: Answer = self._pipe.recv()
