@@ -7,11 +7,11 @@ run at tolerance r may err by
 
 S is the cable's length or, where forces drive it farther, its largest distance from the origin: a step may err by
 r (1 + |x|) in every angle, and an angle moves joints by as much times the length that hangs on it. MULTIPLE leaves room
-for the errors of many steps to add up. K >= 1 is what the motion makes of a small disturbance, whenever it enters: by how
-much the distance between two starts that differ by `NUDGE` in the angles has grown since it was smallest (but not from
-below `TRACE` of what it was, where rounding begins). It is some tens in a whip or a snap, and grows without bounds in a
-chaotic motion. That is compared up to its horizon, where the two starts are `PARTING` times as far apart as they were, or
-r K passes `ANYTHING`; `FEWEST` output times must come before it, or nothing would be said.
+for the errors of many steps to add up. K >= 1 is what the motion makes of a small disturbance, whenever it enters: by
+how much the distance between two starts that differ by `NUDGE` in the angles has grown since it was smallest (but not
+from below `TRACE` of what it was, where rounding begins). It is some tens in a whip or a snap, and grows without bounds
+in a chaotic motion. That is compared up to its horizon, where the two starts are `PARTING` times as far apart as they
+were, or r K passes `ANYTHING`; `FEWEST` output times must come before it, or nothing would be said.
 """
 
 from __future__ import annotations
