@@ -37,7 +37,7 @@ def test_a_right_answer_is_within_tolerance_of_three_references(tmp_path: Path) 
     row = judged(case_of("cable.links = 3"), tmp_path)
     assert (row.verdict, row.message, row.references) == ("within tolerance", "", "implicit, explicit, dense")
     assert 0.0 < row.spread < row.error < 240.0 * 1e-6
-    assert row.ratio == pytest.approx(row.error / (10.0 * 240.0 * 1e-6 * row.growth), rel=0.5)
+    assert row.ratio == pytest.approx(row.error / (5.0 * 240.0 * 1e-6 * row.growth), rel=0.5)
     assert (row.n, row.tolerance, row.horizon, row.stop_time) == (3, 1e-6, 1.0, 1.0)
     assert list(tmp_path.iterdir()) == [], "its FMU is gone"
 
@@ -98,7 +98,7 @@ def test_chaos_is_compared_up_to_its_horizon_and_a_mistake_before_it_is_found(tm
     case = case_of('cable.links = 4, cable.joint_stiffness = 0, shape.angle = "180 deg", run.stop_time = "20 s"')
     row = judged(case, tmp_path)
     assert row.verdict == "within tolerance"
-    assert 1.0 < row.horizon < 15.0 and 10.0 < row.growth <= 1e3
+    assert 1.0 < row.horizon < 15.0 and row.growth > 10.0
 
     def early(answer: Answer) -> Answer:
         points = answer.points.copy()

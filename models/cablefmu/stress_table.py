@@ -144,10 +144,10 @@ def explained() -> list[str]:
         " checked against the dense matrices by itself.",
         "The error is the largest distance of any joint of the cable from where the farthest of the references has it."
         f" Allowed are {MULTIPLE:g} r S K: r the tolerance; S the cable's length, or how far from the origin it gets;"
-        " K, at least 1, what the motion itself makes of a small disturbance (measured by starts whose angles differ by"
-        f" {NUDGE:g} rad); and {MULTIPLE:g}, since what enters before a snap may grow by more than what was there at"
-        f" the start. Where K passes {PARTING:g}, or r K {ANYTHING:g}, the motion is chaotic for this tolerance: it is"
-        " compared up to there, and the verdict names that time.",
+        " K, at least 1, by how much the motion lets a small disturbance grow, whenever it enters (measured by two"
+        f" starts whose angles differ by {NUDGE:g} rad); and {MULTIPLE:g} for the errors of many steps. Where the two"
+        f" starts are {PARTING:g} times as far apart as they were, or r K passes {ANYTHING:g}, the motion is chaotic: it"
+        " is compared up to there, and the verdict names that time.",
     ]
 
 
