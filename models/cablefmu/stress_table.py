@@ -146,8 +146,8 @@ def explained() -> list[str]:
         f" Allowed are {MULTIPLE:g} r S K: r the tolerance; S the cable's length, or how far from the origin it gets;"
         " K, at least 1, by how much the motion lets a small disturbance grow, whenever it enters (measured by two"
         f" starts whose angles differ by {NUDGE:g} rad); and {MULTIPLE:g} for the errors of many steps. Where the two"
-        f" starts are {PARTING:g} times as far apart as they were, or r K passes {ANYTHING:g}, the motion is chaotic: it"
-        " is compared up to there, and the verdict names that time.",
+        f" starts are {PARTING:g} times as far apart as they were, or r K passes {ANYTHING:g}, the motion is chaotic:"
+        " it is compared up to there, and the verdict names that time.",
     ]
 
 
