@@ -150,7 +150,7 @@ def sanitized_package(tmp_path_factory: pytest.TempPathFactory) -> Callable[[lis
     def build(sources: list[Path]) -> Path:
         folder = tmp_path_factory.mktemp("package")
         package = shutil.copytree(Path(cablefmu.__file__).parent, folder / "cablefmu")
-        (library,) = package.glob("binaries/*-linux/*.so")
+        (library,) = package.glob("binaries/*-linux/cable.so")
         compile_sanitized(library, sources, "-fvisibility=hidden")
         return folder
 
