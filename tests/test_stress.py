@@ -93,3 +93,13 @@ def test_wrong_options_are_refused(options: list[str], message: str, command: Co
     told = command("stress", *options)
     assert told.status == 2 and told.out == ""
     assert told.err.startswith(f"cablefmu: {message}")
+
+
+def test_the_committed_table_is_that_of_this_grid() -> None:
+    text = (Path(__file__).parents[1] / "docs" / "stress" / "README.md").read_text(encoding="utf-8")
+    rows = [line for line in text.splitlines() if line.startswith("| ") and not line.startswith("| case |")]
+    assert len(rows) == len(grid())
+    for row, case in zip(rows, grid(), strict=True):
+        assert row.startswith(f"| {case.name.removeprefix(case.group + '-')} | {case.base}")
+        assert (": " + case.changed if case.changed else "").replace("|", "\\|") + " |" in row
+        assert row.split(" | ")[-1].startswith("clean error" if case.fails else "within tolerance")
