@@ -51,6 +51,27 @@ double floater_energy(const Model *model, const double *x);
 /* pin.c: the state x with P_n at the place `pin` and at rest there, from which steps lead away by their error. */
 void pin_project(const Model *model, Work *work, const double pin[2], double *x);
 
+/* A force [N] or another pair along x and y. */
+typedef struct {
+    double x, y;
+} Pair;
+
+/* tension.c: R_{i+1} from R_i, after cable_derivatives(); turn is th'' of link i. */
+static inline Pair force_below(const Model *model, const Work *work, int i, double turn, Pair force)
+{
+    if (i < model->middle) return (Pair){work->answer_x[i + 1], work->answer_y[i + 1]};
+    const double swing = 0.5 * model->link[LINK_LENGTH][i] * turn, mass = model->link[LINK_MASS][i];
+    return (Pair){force.x + (work->drive_x[i] - mass * (work->answer_x[i + 1] + swing * work->cosine[i])),
+                  force.y + (work->drive_y[i] - mass * (work->answer_y[i + 1] - swing * work->sine[i]))};
+}
+
+/* water.c: v_n = n . V at the link's centre [m/s], V_{i-1} being what motion() left. */
+static inline double speed_across(const Model *model, const Work *work, int i, double rate)
+{
+    return (work->cosine[i] * work->velocity_x[i] - work->sine[i] * work->velocity_y[i]) +
+           0.5 * model->link[LINK_LENGTH][i] * rate;
+}
+
 /* energy.c, tension.c */
 double cable_energy(const Model *model, const double *x, const Work *work);
 void cable_tensions(const Model *model, const double *derivative, const Work *work, double *top, double *end,

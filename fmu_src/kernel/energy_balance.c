@@ -25,8 +25,7 @@ static double power_lost(const Model *model, const double *x, const Work *work)
         joints += model->damping[i] * bending * bending;
     }
     for (int i = 0; i < n && model->has_drag; i++) {
-        const double across = (work->cosine[i] * work->velocity_x[i] - work->sine[i] * work->velocity_y[i]) +
-                              0.5 * model->link[LINK_LENGTH][i] * rate[i];
+        const double across = speed_across(model, work, i, rate[i]);
         water += model->drag_factor[i] * fabs(across) * across * across;
     }
     double ends = p[P_c_m1] * v[0] * v[0];

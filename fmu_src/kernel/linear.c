@@ -1,4 +1,5 @@
 #include "linear.h"
+#include "dynamics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -58,21 +59,14 @@ static double inertia_of(const Model *model, int i)
 /* R down the cable as in tension.c, and e.(R_i + R_{i+1}). */
 static void take_forces(const Model *model, const Work *work, const double *turn, Linear *linear)
 {
-    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
-    double rx = work->answer_x[0], ry = work->answer_y[0];
+    Pair force = {work->answer_x[0], work->answer_y[0]};
     for (int i = 0; i < model->n; i++) {
-        const double ex = work->sine[i], ey = work->cosine[i], swing = 0.5 * length[i] * turn[i];
-        const double upper = rx * ex + ry * ey;
-        linear->force_x[i] = rx, linear->force_y[i] = ry;
-        if (i < model->middle) {
-            rx = work->answer_x[i + 1], ry = work->answer_y[i + 1];
-        } else {
-            rx += work->drive_x[i] - mass[i] * (work->answer_x[i + 1] + swing * ey);
-            ry += work->drive_y[i] - mass[i] * (work->answer_y[i + 1] - swing * ex);
-        }
-        linear->pull[i] = upper + (rx * ex + ry * ey);
+        const double ex = work->sine[i], ey = work->cosine[i], upper = force.x * ex + force.y * ey;
+        linear->force_x[i] = force.x, linear->force_y[i] = force.y;
+        force = force_below(model, work, i, turn[i], force);
+        linear->pull[i] = upper + (force.x * ex + force.y * ey);
     }
-    linear->force_x[model->n] = rx, linear->force_y[model->n] = ry;
+    linear->force_x[model->n] = force.x, linear->force_y[model->n] = force.y;
 }
 
 void linear_pin(Linear *linear)
@@ -120,7 +114,7 @@ void linear_rest(const Model *model, const Work *work, const double *force_x, co
 void linear_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear)
 {
     const int n = model->n;
-    const double *length = model->link[LINK_LENGTH], *factor = model->drag_factor;
+    const double *factor = model->drag_factor;
     const double *rate = x + n + 2, *turn = derivative + n + 2;
     hold(model, linear);
     linear->columns = columns_of(model, linear);
@@ -130,7 +124,7 @@ void linear_point(const Model *model, const double *x, const Work *work, const d
     }
     for (int i = 0; i < n && model->has_drag; i++) {
         const double ex = work->sine[i], ey = work->cosine[i], vx = work->velocity_x[i], vy = work->velocity_y[i];
-        const double across = (ey * vx - ex * vy) + 0.5 * length[i] * rate[i];
+        const double across = speed_across(model, work, i, rate[i]);
         linear->drag[i] = -factor[i] * (fabs(across) * across);
         linear->drag_gain[i] = 2.0 * factor[i] * fabs(across);
         linear->slip[i] = ex * vx + ey * vy;
@@ -138,7 +132,7 @@ void linear_point(const Model *model, const double *x, const Work *work, const d
     take_forces(model, work, turn, linear);
 }
 
-/* How the unknown of link i moves its lower node; also 1 for the weights. */
+/* How the unknown of link i moves its lower node, and what its joint answers. */
 static void take_moves(const Model *model, Linear *linear)
 {
     const double *length = model->link[LINK_LENGTH], *stiffness = model->stiffness, *damping = model->damping;

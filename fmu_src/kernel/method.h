@@ -28,8 +28,8 @@ bool explicit_attempt(const System *system, SolverMemory *memory, const Vectors 
 bool implicit_attempt(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
                       const double *x, double *error);
 
-/* dense.c: remembers an implicit step from (t, x) to the trial point beyond t_end; the state at a time inside it; and
- * whether it may be used for a call that begins at t. */
+/* dense.c: remembers an implicit step from (t, x) to the trial point beyond t_end, and gives the state at a
+ * time inside it. */
 void dense_remember(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
                     const double *x);
 void dense_state(const System *system, const SolverMemory *memory, const Vectors *vectors, double t, double *x);

@@ -135,7 +135,6 @@ static void accept(SolverMemory *memory, double h, double error, bool rejected_b
     /* A step cut short by the communication point that went well says nothing against the longer wish. */
     const bool cut_short = h < memory->step && change >= 1.0;
     memory->step = cut_short ? fmax(memory->step, h * change) : h * change;
-    memory->step_before = h;
     memory->error_before = error;
     memory->counter[SOLVER_steps]++;
     memory->counter[SOLVER_step_size] = h;

@@ -68,8 +68,7 @@ typedef struct {
     double tolerance;    /* relative, and absolute in rad, m, rad/s, m/s */
     double step;         /* proposed next step [s]; 0: none yet */
     double span;         /* of the present call [s] */
-    double step_before;  /* last accepted step [s] */
-    double error_before; /* its scaled error */
+    double error_before; /* scaled error of the last accepted step */
     bool has_slope;      /* the block holds f(t, x) of the present point for the inputs slope_u */
     bool has_moved;      /* the present point was reached by a step, and nothing was evaluated there yet */
     bool has_point;      /* the linearised chain is that of the present point */

@@ -9,20 +9,15 @@
 void cable_tensions(const Model *model, const double *derivative, const Work *work, double *top, double *end,
                     double *largest)
 {
-    const int n = model->n, middle = model->middle;
-    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *turn = derivative + n + 2;
-    double rx = work->answer_x[0], ry = work->answer_y[0];
-    *top = *largest = -(rx * work->sine[0] + ry * work->cosine[0]);
+    const int n = model->n;
+    const double *turn = derivative + n + 2;
+    Pair force = {work->answer_x[0], work->answer_y[0]};
+    *top = *largest = -(force.x * work->sine[0] + force.y * work->cosine[0]);
     for (int i = 0; i < n; i++) {
-        const double ex = work->sine[i], ey = work->cosine[i], swing = 0.5 * length[i] * turn[i];
-        const double upper = -(rx * ex + ry * ey);
-        if (i < middle) {
-            rx = work->answer_x[i + 1], ry = work->answer_y[i + 1];
-        } else {
-            rx += work->drive_x[i] - mass[i] * (work->answer_x[i + 1] + swing * ey);
-            ry += work->drive_y[i] - mass[i] * (work->answer_y[i + 1] - swing * ex);
-        }
-        const double lower = -(rx * ex + ry * ey);
+        const double ex = work->sine[i], ey = work->cosine[i];
+        const double upper = -(force.x * ex + force.y * ey);
+        force = force_below(model, work, i, turn[i], force);
+        const double lower = -(force.x * ex + force.y * ey);
         if (upper > *largest) *largest = upper;
         if (lower > *largest) *largest = lower;
         *end = lower;
