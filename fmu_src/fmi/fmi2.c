@@ -2,17 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi2Functions.h"
-#include "instance.h"
+#include "fmi2_component.h"
 
-typedef struct {
-    Instance *instance;
-    fmi2CallbackLogger logger; /* copied: the host's struct is valid during fmi2Instantiate only */
-    fmi2ComponentEnvironment environment;
-    char name[]; /* likewise */
-} Component;
-
-static fmi2Status fmi2_status(Status status)
+fmi2Status fmi2_status(Status status)
 {
     static const fmi2Status MEANING[] = {fmi2OK, fmi2Warning, fmi2Error};
     return MEANING[status];
@@ -35,14 +27,13 @@ static void log_message(void *owner, Status status, const char *message)
     component->logger(component->environment, component->name, fmi2_status(status), category, format);
 }
 
-static fmi2Status refuse(const Component *component, const char *message)
+fmi2Status fmi2_refuse(fmi2Component c, const char *message)
 {
-    if (component) log_message((void *)component, STATUS_ERROR, message);
+    if (c) log_message(c, STATUS_ERROR, message);
     return fmi2Error;
 }
 
-/* The instance if it exists and the call is legal now, else NULL after a message. */
-static Instance *legal(fmi2Component c, unsigned modes, const char *call)
+Instance *fmi2_legal(fmi2Component c, unsigned modes, const char *call)
 {
     Component *component = c;
     if (!component) return NULL;
@@ -110,14 +101,14 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
     (void)stopTimeDefined, (void)stopTime;
-    Instance *instance = legal(c, MODE_INSTANTIATED, "fmi2SetupExperiment");
+    Instance *instance = fmi2_legal(c, MODE_INSTANTIATED, "fmi2SetupExperiment");
     if (!instance) return fmi2Error;
     return fmi2_status(instance_setup(instance, startTime, toleranceDefined != fmi2False, tolerance));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
-    Instance *instance = legal(c, MODE_INSTANTIATED, "fmi2EnterInitializationMode");
+    Instance *instance = fmi2_legal(c, MODE_INSTANTIATED, "fmi2EnterInitializationMode");
     if (!instance) return fmi2Error;
     instance->mode = MODE_INITIALIZATION;
     return fmi2OK;
@@ -125,13 +116,13 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    Instance *instance = legal(c, MODE_INITIALIZATION, "fmi2ExitInitializationMode");
+    Instance *instance = fmi2_legal(c, MODE_INITIALIZATION, "fmi2ExitInitializationMode");
     return instance ? fmi2_status(instance_exit_initialization(instance)) : fmi2Error;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)
 {
-    Instance *instance = legal(c, MODE_RUNNING, "fmi2Terminate");
+    Instance *instance = fmi2_legal(c, MODE_RUNNING, "fmi2Terminate");
     if (!instance) return fmi2Error;
     instance->mode = MODE_TERMINATED;
     return fmi2OK;
@@ -139,31 +130,31 @@ fmi2Status fmi2Terminate(fmi2Component c)
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    Instance *instance = legal(c, MODE_ANY, "fmi2Reset");
+    Instance *instance = fmi2_legal(c, MODE_ANY, "fmi2Reset");
     return instance ? fmi2_status(instance_reset(instance)) : fmi2Error;
 }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
 {
-    Instance *instance = legal(c, MODE_ANY, "fmi2GetReal");
+    Instance *instance = fmi2_legal(c, MODE_ANY, "fmi2GetReal");
     if (!instance) return fmi2Error;
-    if (nvr && (!vr || !value)) return refuse(c, "fmi2GetReal: a null pointer was given");
+    if (nvr && (!vr || !value)) return fmi2_refuse(c, "fmi2GetReal: a null pointer was given");
     return fmi2_status(instance_get(instance, vr, nvr, value));
 }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
 {
-    Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING, "fmi2SetReal");
+    Instance *instance = fmi2_legal(c, MODE_SETUP | MODE_RUNNING, "fmi2SetReal");
     if (!instance) return fmi2Error;
-    if (nvr && (!vr || !value)) return refuse(c, "fmi2SetReal: a null pointer was given");
+    if (nvr && (!vr || !value)) return fmi2_refuse(c, "fmi2SetReal: a null pointer was given");
     return fmi2_status(instance_set(instance, vr, nvr, value));
 }
 
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
 {
-    Instance *instance = legal(c, MODE_ANY, "fmi2GetInteger");
+    Instance *instance = fmi2_legal(c, MODE_ANY, "fmi2GetInteger");
     if (!instance) return fmi2Error;
-    if (nvr && (!vr || !value)) return refuse(c, "fmi2GetInteger: a null pointer was given");
+    if (nvr && (!vr || !value)) return fmi2_refuse(c, "fmi2GetInteger: a null pointer was given");
     for (size_t k = 0; k < nvr; k++) {
         int64_t choice;
         if (instance_get_choice(instance, vr[k], &choice) != STATUS_OK) return fmi2Error;
@@ -174,9 +165,9 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
 
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[])
 {
-    Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING, "fmi2SetInteger");
+    Instance *instance = fmi2_legal(c, MODE_SETUP | MODE_RUNNING, "fmi2SetInteger");
     if (!instance) return fmi2Error;
-    if (nvr && (!vr || !value)) return refuse(c, "fmi2SetInteger: a null pointer was given");
+    if (nvr && (!vr || !value)) return fmi2_refuse(c, "fmi2SetInteger: a null pointer was given");
     for (size_t k = 0; k < nvr; k++)
         if (instance_check_choice(instance, vr[k], value[k]) != STATUS_OK) return fmi2Error;
     for (size_t k = 0; k < nvr; k++) instance_set_choice(instance, value[k]);
@@ -187,7 +178,8 @@ fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
 static fmi2Status no_variables(fmi2Component c, size_t count)
 {
     if (!c) return fmi2Error;
-    return count ? refuse(c, "the cable has no variables but those of type Real and the Enumeration solver") : fmi2OK;
+    return count ? fmi2_refuse(c, "the cable has no variables but those of type Real and the Enumeration solver")
+                 : fmi2OK;
 }
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
@@ -216,48 +208,43 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 /* --- what the description says is not offered --- */
 
-static fmi2Status not_offered(fmi2Component c, const char *message)
-{
-    return refuse(c, message);
-}
-
 static const char NO_STATE[] = "getting and setting the complete state is not offered (canGetAndSetFMUstate = false)";
 static const char NO_DERIVATIVE[] = "directional derivatives are not offered (providesDirectionalDerivative = false)";
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
     (void)FMUstate;
-    return not_offered(c, NO_STATE);
+    return fmi2_refuse(c, NO_STATE);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
 {
     (void)FMUstate;
-    return not_offered(c, NO_STATE);
+    return fmi2_refuse(c, NO_STATE);
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
-    return !FMUstate || !*FMUstate ? fmi2OK : not_offered(c, NO_STATE);
+    return !FMUstate || !*FMUstate ? fmi2OK : fmi2_refuse(c, NO_STATE);
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
 {
     (void)FMUstate, (void)size;
-    return not_offered(c, NO_STATE);
+    return fmi2_refuse(c, NO_STATE);
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
 {
     (void)FMUstate, (void)serializedState, (void)size;
-    return not_offered(c, NO_STATE);
+    return fmi2_refuse(c, NO_STATE);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
                                    fmi2FMUstate *FMUstate)
 {
     (void)serializedState, (void)size, (void)FMUstate;
-    return not_offered(c, NO_STATE);
+    return fmi2_refuse(c, NO_STATE);
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
@@ -265,14 +252,14 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         fmi2Real dvUnknown[])
 {
     (void)vUnknown_ref, (void)nUnknown, (void)vKnown_ref, (void)nKnown, (void)dvKnown, (void)dvUnknown;
-    return not_offered(c, NO_DERIVATIVE);
+    return fmi2_refuse(c, NO_DERIVATIVE);
 }
 
 /* --- Model Exchange --- */
 
 fmi2Status fmi2EnterEventMode(fmi2Component c)
 {
-    Instance *instance = legal(c, MODE_CONTINUOUS | MODE_EVENT, "fmi2EnterEventMode");
+    Instance *instance = fmi2_legal(c, MODE_CONTINUOUS | MODE_EVENT, "fmi2EnterEventMode");
     if (!instance) return fmi2Error;
     instance->mode = MODE_EVENT;
     return fmi2OK;
@@ -280,15 +267,15 @@ fmi2Status fmi2EnterEventMode(fmi2Component c)
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
 {
-    if (!legal(c, MODE_EVENT, "fmi2NewDiscreteStates")) return fmi2Error;
-    if (!eventInfo) return refuse(c, "fmi2NewDiscreteStates: a null pointer was given");
+    if (!fmi2_legal(c, MODE_EVENT, "fmi2NewDiscreteStates")) return fmi2Error;
+    if (!eventInfo) return fmi2_refuse(c, "fmi2NewDiscreteStates: a null pointer was given");
     memset(eventInfo, 0, sizeof *eventInfo); /* the cable has no events of its own */
     return fmi2OK;
 }
 
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
 {
-    Instance *instance = legal(c, MODE_EVENT, "fmi2EnterContinuousTimeMode");
+    Instance *instance = fmi2_legal(c, MODE_EVENT, "fmi2EnterContinuousTimeMode");
     if (!instance) return fmi2Error;
     instance->mode = MODE_CONTINUOUS;
     return fmi2OK;
@@ -298,33 +285,33 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
                                        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
-    if (!legal(c, MODE_CONTINUOUS, "fmi2CompletedIntegratorStep")) return fmi2Error;
+    if (!fmi2_legal(c, MODE_CONTINUOUS, "fmi2CompletedIntegratorStep")) return fmi2Error;
     if (!enterEventMode || !terminateSimulation)
-        return refuse(c, "fmi2CompletedIntegratorStep: a null pointer was given");
+        return fmi2_refuse(c, "fmi2CompletedIntegratorStep: a null pointer was given");
     *enterEventMode = *terminateSimulation = fmi2False;
     return fmi2OK;
 }
 
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
 {
-    Instance *instance = legal(c, MODE_EVENT | MODE_CONTINUOUS, "fmi2SetTime");
+    Instance *instance = fmi2_legal(c, MODE_EVENT | MODE_CONTINUOUS, "fmi2SetTime");
     return instance ? fmi2_status(instance_set_time(instance, time)) : fmi2Error;
 }
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx)
 {
-    Instance *instance = legal(c, MODE_CONTINUOUS, "fmi2SetContinuousStates");
+    Instance *instance = fmi2_legal(c, MODE_CONTINUOUS, "fmi2SetContinuousStates");
     if (!instance) return fmi2Error;
-    if (!x) return refuse(c, "fmi2SetContinuousStates: a null pointer was given");
+    if (!x) return fmi2_refuse(c, "fmi2SetContinuousStates: a null pointer was given");
     return fmi2_status(instance_set_states(instance, x, nx));
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx)
 {
     Instance *instance =
-        legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED, "fmi2GetDerivatives");
+        fmi2_legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED, "fmi2GetDerivatives");
     if (!instance) return fmi2Error;
-    if (!derivatives) return refuse(c, "fmi2GetDerivatives: a null pointer was given");
+    if (!derivatives) return fmi2_refuse(c, "fmi2GetDerivatives: a null pointer was given");
     return fmi2_status(instance_get_derivatives(instance, derivatives, nx));
 }
 
@@ -332,22 +319,22 @@ fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], s
 {
     (void)eventIndicators;
     if (!c) return fmi2Error;
-    return ni ? refuse(c, "the cable has no event indicators") : fmi2OK;
+    return ni ? fmi2_refuse(c, "the cable has no event indicators") : fmi2OK;
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx)
 {
-    Instance *instance = legal(c, MODE_ANY, "fmi2GetContinuousStates");
+    Instance *instance = fmi2_legal(c, MODE_ANY, "fmi2GetContinuousStates");
     if (!instance) return fmi2Error;
-    if (!x) return refuse(c, "fmi2GetContinuousStates: a null pointer was given");
+    if (!x) return fmi2_refuse(c, "fmi2GetContinuousStates: a null pointer was given");
     return fmi2_status(instance_get_states(instance, x, nx));
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx)
 {
-    Instance *instance = legal(c, MODE_ANY, "fmi2GetNominalsOfContinuousStates");
+    Instance *instance = fmi2_legal(c, MODE_ANY, "fmi2GetNominalsOfContinuousStates");
     if (!instance) return fmi2Error;
-    if (!x_nominal) return refuse(c, "fmi2GetNominalsOfContinuousStates: a null pointer was given");
+    if (!x_nominal) return fmi2_refuse(c, "fmi2GetNominalsOfContinuousStates: a null pointer was given");
     return fmi2_status(instance_nominals(instance, x_nominal, nx));
 }
 
@@ -356,9 +343,10 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[])
 {
-    Instance *instance = legal(c, MODE_SETUP | MODE_STEP, "fmi2SetRealInputDerivatives");
+    Instance *instance = fmi2_legal(c, MODE_SETUP | MODE_STEP, "fmi2SetRealInputDerivatives");
     if (!instance) return fmi2Error;
-    if (nvr && (!vr || !order || !value)) return refuse(c, "fmi2SetRealInputDerivatives: a null pointer was given");
+    if (nvr && (!vr || !order || !value))
+        return fmi2_refuse(c, "fmi2SetRealInputDerivatives: a null pointer was given");
     for (size_t k = 0; k < nvr; k++)
         if (instance_set_input_derivative(instance, vr[k], order[k], value[k]) != STATUS_OK) return fmi2Error;
     return fmi2OK;
@@ -368,27 +356,27 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2Integer order[], fmi2Real value[])
 {
     (void)vr, (void)nvr, (void)order, (void)value;
-    return not_offered(c, "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0)");
+    return fmi2_refuse(c, "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0)");
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
-    Instance *instance = legal(c, MODE_STEP, "fmi2DoStep");
+    Instance *instance = fmi2_legal(c, MODE_STEP, "fmi2DoStep");
     if (!instance) return fmi2Error;
     return fmi2_status(instance_step(instance, currentCommunicationPoint, communicationStepSize));
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
 {
-    return not_offered(c, "fmi2CancelStep: steps are not asynchronous, there is none to cancel");
+    return fmi2_refuse(c, "fmi2CancelStep: steps are not asynchronous, there is none to cancel");
 }
 
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
 {
     (void)s, (void)value;
-    return not_offered(c, "fmi2GetStatus: steps are not asynchronous, fmi2DoStep returns their status");
+    return fmi2_refuse(c, "fmi2GetStatus: steps are not asynchronous, fmi2DoStep returns their status");
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
@@ -396,7 +384,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
     const Component *component = c;
     if (!component) return fmi2Error;
     if (s != fmi2LastSuccessfulTime || !value)
-        return refuse(c, "fmi2GetRealStatus: only fmi2LastSuccessfulTime is known");
+        return fmi2_refuse(c, "fmi2GetRealStatus: only fmi2LastSuccessfulTime is known");
     *value = component->instance->time;
     return fmi2OK;
 }
@@ -404,12 +392,12 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
 {
     (void)s, (void)value;
-    return not_offered(c, "fmi2GetIntegerStatus: there is no status of this type");
+    return fmi2_refuse(c, "fmi2GetIntegerStatus: there is no status of this type");
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
-    if (s != fmi2Terminated || !value) return refuse(c, "fmi2GetBooleanStatus: only fmi2Terminated is known");
+    if (s != fmi2Terminated || !value) return fmi2_refuse(c, "fmi2GetBooleanStatus: only fmi2Terminated is known");
     *value = fmi2False; /* the cable never asks for the end of a simulation */
     return c ? fmi2OK : fmi2Error;
 }
@@ -417,5 +405,5 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
 {
     (void)s, (void)value;
-    return not_offered(c, "fmi2GetStringStatus: there is no status of this type");
+    return fmi2_refuse(c, "fmi2GetStringStatus: there is no status of this type");
 }

@@ -2,18 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi3_refuse.h"
-#include "fmi3Functions.h"
-#include "instance.h"
+#include "fmi3_component.h"
 
-typedef struct {
-    Instance *instance;
-    fmi3LogMessageCallback log_message; /* may be NULL */
-    fmi3IntermediateUpdateCallback intermediate_update;
-    fmi3InstanceEnvironment environment;
-} Component;
-
-static fmi3Status fmi3_status(Status status)
+fmi3Status fmi3_status(Status status)
 {
     static const fmi3Status MEANING[] = {fmi3OK, fmi3Warning, fmi3Error};
     return MEANING[status];
@@ -44,7 +35,7 @@ fmi3Status fmi3_refuse(fmi3Instance c, const char *message)
     return fmi3Error;
 }
 
-static Instance *legal(fmi3Instance c, unsigned modes, const char *call)
+Instance *fmi3_legal(fmi3Instance c, unsigned modes, const char *call)
 {
     Component *component = c;
     if (!component) return NULL;
@@ -129,7 +120,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefi
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
     (void)stopTimeDefined, (void)stopTime;
-    Instance *instance = legal(c, MODE_INSTANTIATED, "fmi3EnterInitializationMode");
+    Instance *instance = fmi3_legal(c, MODE_INSTANTIATED, "fmi3EnterInitializationMode");
     if (!instance) return fmi3Error;
     const Status status = instance_setup(instance, startTime, toleranceDefined, tolerance);
     if (status == STATUS_OK) instance->mode = MODE_INITIALIZATION;
@@ -138,13 +129,13 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefi
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
 {
-    Instance *instance = legal(c, MODE_INITIALIZATION, "fmi3ExitInitializationMode");
+    Instance *instance = fmi3_legal(c, MODE_INITIALIZATION, "fmi3ExitInitializationMode");
     return instance ? fmi3_status(instance_exit_initialization(instance)) : fmi3Error;
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance c)
 {
-    Instance *instance = legal(c, MODE_CONTINUOUS | MODE_EVENT, "fmi3EnterEventMode");
+    Instance *instance = fmi3_legal(c, MODE_CONTINUOUS | MODE_EVENT, "fmi3EnterEventMode");
     if (!instance) return fmi3Error;
     instance->mode = MODE_EVENT;
     return fmi3OK;
@@ -152,7 +143,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance c)
 
 fmi3Status fmi3Terminate(fmi3Instance c)
 {
-    Instance *instance = legal(c, MODE_RUNNING, "fmi3Terminate");
+    Instance *instance = fmi3_legal(c, MODE_RUNNING, "fmi3Terminate");
     if (!instance) return fmi3Error;
     instance->mode = MODE_TERMINATED;
     return fmi3OK;
@@ -160,14 +151,14 @@ fmi3Status fmi3Terminate(fmi3Instance c)
 
 fmi3Status fmi3Reset(fmi3Instance c)
 {
-    Instance *instance = legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3Reset");
+    Instance *instance = fmi3_legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3Reset");
     return instance ? fmi3_status(instance_reset(instance)) : fmi3Error;
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                           fmi3Float64 values[], size_t nValues)
 {
-    Instance *instance = legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetFloat64");
+    Instance *instance = fmi3_legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetFloat64");
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3GetFloat64: a null pointer was given");
@@ -178,7 +169,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
 fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                           const fmi3Float64 values[], size_t nValues)
 {
-    Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING | MODE_INTERMEDIATE, "fmi3SetFloat64");
+    Instance *instance = fmi3_legal(c, MODE_SETUP | MODE_RUNNING | MODE_INTERMEDIATE, "fmi3SetFloat64");
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3SetFloat64: a null pointer was given");
@@ -189,7 +180,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
 fmi3Status fmi3GetInt64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                         fmi3Int64 values[], size_t nValues)
 {
-    Instance *instance = legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetInt64");
+    Instance *instance = fmi3_legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetInt64");
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3GetInt64: a null pointer was given");
@@ -202,7 +193,7 @@ fmi3Status fmi3GetInt64(fmi3Instance c, const fmi3ValueReference valueReferences
 fmi3Status fmi3SetInt64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                         const fmi3Int64 values[], size_t nValues)
 {
-    Instance *instance = legal(c, MODE_SETUP | MODE_RUNNING, "fmi3SetInt64");
+    Instance *instance = fmi3_legal(c, MODE_SETUP | MODE_RUNNING, "fmi3SetInt64");
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3SetInt64: a null pointer was given");
@@ -279,7 +270,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
                                     fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
                                     fmi3Float64 *nextEventTime)
 {
-    if (!legal(c, MODE_EVENT, "fmi3UpdateDiscreteStates")) return fmi3Error;
+    if (!fmi3_legal(c, MODE_EVENT, "fmi3UpdateDiscreteStates")) return fmi3Error;
     /* The cable has no events of its own. */
     fmi3Boolean *const answer[] = {discreteStatesNeedUpdate, terminateSimulation, nominalsOfContinuousStatesChanged,
                                    valuesOfContinuousStatesChanged, nextEventTimeDefined};
@@ -291,12 +282,12 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c)
 {
-    return legal(c, MODE_EVENT, "fmi3EvaluateDiscreteStates") ? fmi3OK : fmi3Error;
+    return fmi3_legal(c, MODE_EVENT, "fmi3EvaluateDiscreteStates") ? fmi3OK : fmi3Error;
 }
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
 {
-    Instance *instance = legal(c, MODE_EVENT, "fmi3EnterContinuousTimeMode");
+    Instance *instance = fmi3_legal(c, MODE_EVENT, "fmi3EnterContinuousTimeMode");
     if (!instance) return fmi3Error;
     instance->mode = MODE_CONTINUOUS;
     return fmi3OK;
@@ -306,7 +297,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUState
                                        fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
-    if (!legal(c, MODE_CONTINUOUS, "fmi3CompletedIntegratorStep")) return fmi3Error;
+    if (!fmi3_legal(c, MODE_CONTINUOUS, "fmi3CompletedIntegratorStep")) return fmi3Error;
     if (enterEventMode) *enterEventMode = fmi3False;
     if (terminateSimulation) *terminateSimulation = fmi3False;
     return fmi3OK;
@@ -314,13 +305,13 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUState
 
 fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time)
 {
-    Instance *instance = legal(c, MODE_EVENT | MODE_CONTINUOUS, "fmi3SetTime");
+    Instance *instance = fmi3_legal(c, MODE_EVENT | MODE_CONTINUOUS, "fmi3SetTime");
     return instance ? fmi3_status(instance_set_time(instance, time)) : fmi3Error;
 }
 
 fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousStates[], size_t nContinuousStates)
 {
-    Instance *instance = legal(c, MODE_CONTINUOUS, "fmi3SetContinuousStates");
+    Instance *instance = fmi3_legal(c, MODE_CONTINUOUS, "fmi3SetContinuousStates");
     if (!instance) return fmi3Error;
     if (!continuousStates) return fmi3_refuse(c, "fmi3SetContinuousStates: a null pointer was given");
     return fmi3_status(instance_set_states(instance, continuousStates, nContinuousStates));
@@ -328,8 +319,8 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousS
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[], size_t nContinuousStates)
 {
-    Instance *instance = legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED,
-                               "fmi3GetContinuousStateDerivatives");
+    Instance *instance = fmi3_legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED,
+                                    "fmi3GetContinuousStateDerivatives");
     if (!instance) return fmi3Error;
     if (!derivatives) return fmi3_refuse(c, "fmi3GetContinuousStateDerivatives: a null pointer was given");
     return fmi3_status(instance_get_derivatives(instance, derivatives, nContinuousStates));
@@ -344,7 +335,7 @@ fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 eventIndicators[],
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[], size_t nContinuousStates)
 {
-    Instance *instance = legal(c, MODE_ANY, "fmi3GetContinuousStates");
+    Instance *instance = fmi3_legal(c, MODE_ANY, "fmi3GetContinuousStates");
     if (!instance) return fmi3Error;
     if (!continuousStates) return fmi3_refuse(c, "fmi3GetContinuousStates: a null pointer was given");
     return fmi3_status(instance_get_states(instance, continuousStates, nContinuousStates));
@@ -352,7 +343,7 @@ fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t nContinuousStates)
 {
-    Instance *instance = legal(c, MODE_ANY, "fmi3GetNominalsOfContinuousStates");
+    Instance *instance = fmi3_legal(c, MODE_ANY, "fmi3GetNominalsOfContinuousStates");
     if (!instance) return fmi3Error;
     if (!nominals) return fmi3_refuse(c, "fmi3GetNominalsOfContinuousStates: a null pointer was given");
     return fmi3_status(instance_nominals(instance, nominals, nContinuousStates));
@@ -377,7 +368,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *nContinuousSt
 fmi3Status fmi3EnterStepMode(fmi3Instance c)
 {
     /* hasEventMode = false: the instance is in step mode from the end of initialization. */
-    return legal(c, MODE_STEP, "fmi3EnterStepMode") ? fmi3OK : fmi3Error;
+    return fmi3_legal(c, MODE_STEP, "fmi3EnterStepMode") ? fmi3OK : fmi3Error;
 }
 
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
@@ -385,7 +376,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
-    Instance *instance = legal(c, MODE_STEP, "fmi3DoStep");
+    Instance *instance = fmi3_legal(c, MODE_STEP, "fmi3DoStep");
     if (!instance) return fmi3Error;
     const Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
     if (eventHandlingNeeded) *eventHandlingNeeded = fmi3False;

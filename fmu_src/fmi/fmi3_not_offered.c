@@ -2,7 +2,7 @@
  * The functions of FMI 3.0 that the description says are not offered. They exist, since hosts look every
  * name up, and refuse.
  */
-#include "fmi3_refuse.h"
+#include "fmi3_component.h"
 
 static const char NO_DEPENDENCIES[] = "dependencies do not change; they stand in the model description";
 static const char NO_STATE[] = "getting and setting the complete state is not offered (canGetAndSetFMUState = false)";
