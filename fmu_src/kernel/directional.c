@@ -33,20 +33,21 @@ static double pull_change(const Linear *linear, int node, int i, double turn)
 }
 
 /* The largest pull changes as the one does that is the largest. */
-static void tension_changes(const Model *model, const Linear *linear, const double *dq, double *dy)
+void pulls_of_outputs(const Model *model, const Linear *linear, Pull pull[PULLS])
 {
     const int n = model->n;
     double largest = -1.0 / 0.0;
+    pull[0] = (Pull){Y_tension_top, 0, 0};
+    pull[1] = (Pull){Y_tension_end, n, n - 1};
+    pull[2] = (Pull){Y_tension_max, 0, 0};
     for (int i = 0; i < n; i++) {
         for (int node = i; node <= i + 1; node++) {
-            const double pull = -(linear->force_x[node] * linear->sine[i] + linear->force_y[node] * linear->cosine[i]);
-            if (!(pull > largest)) continue;
-            largest = pull;
-            dy[Y_tension_max] = pull_change(linear, node, i, dq[i + 1]);
+            const double here = -(linear->force_x[node] * linear->sine[i] + linear->force_y[node] * linear->cosine[i]);
+            if (!(here > largest)) continue;
+            largest = here;
+            pull[2].node = node, pull[2].link = i;
         }
     }
-    dy[Y_tension_top] = pull_change(linear, 0, 0, dq[1]);
-    dy[Y_tension_end] = pull_change(linear, n, n - 1, dq[n]);
 }
 
 /* The derivative of energy.c, line by line. */
@@ -94,6 +95,9 @@ void directional_derivatives(const Model *model, const double *x, Linear *linear
     linear_reactions(model, linear, dq, dv, da, du);
     d_output[Y_y_m1] = dq[0], d_output[Y_v_m1] = dv[0];
     terminal_changes(model, linear, dq, dv, d_output);
-    tension_changes(model, linear, dq, d_output);
+    Pull pull[PULLS];
+    pulls_of_outputs(model, linear, pull);
+    for (int k = 0; k < PULLS; k++)
+        d_output[pull[k].output] = pull_change(linear, pull[k].node, pull[k].link, dq[pull[k].link + 1]);
     d_output[Y_energy] = energy_change(model, x, linear, dx);
 }

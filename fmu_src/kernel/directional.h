@@ -15,4 +15,13 @@ bool directional_point(const Model *model, const double *x, const Work *work, co
 void directional_derivatives(const Model *model, const double *x, Linear *linear, const double *dx, const double *du,
                              double *d_derivative, double *d_output);
 
+/* Where an output that is a pull is taken: -R . e of a link at one of its nodes. */
+typedef struct {
+    Output output;
+    int node, link;
+} Pull;
+
+enum { PULLS = 3 };
+void pulls_of_outputs(const Model *model, const Linear *linear, Pull pull[PULLS]);
+
 #endif

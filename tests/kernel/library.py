@@ -55,6 +55,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_repeat_core": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_outputs": (None, _POINTER, _ARRAY, _POINTER, _ARRAY),
     "probe_directional": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    "probe_adjoint": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_linear": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_repeat_linear": (None, _POINTER, _INT, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
@@ -217,6 +218,16 @@ class Kernel:
         if not self._library.probe_directional(self._handle, x, u, dx, du, derivative, change, output):
             return None
         return change, dict(zip(table().outputs, output.tolist(), strict=True))
+
+    def adjoint(
+        self, x: Floats, u: Floats, seed: Floats, output_seed: Mapping[str, float]
+    ) -> tuple[Floats, dict[str, float]] | None:
+        """What a weighted sum of derivatives and outputs changes by with every state, (2 (n + 1),), and every input."""
+        derivative, to_state, to_input = np.empty_like(x), np.full_like(x, np.nan), np.full(len(table().inputs), np.nan)
+        seeds = np.array([output_seed.get(name, 0.0) for name in table().outputs])
+        if not self._library.probe_adjoint(self._handle, x, u, seed, seeds, derivative, to_state, to_input):
+            return None
+        return to_state, dict(zip(table().inputs, to_input.tolist(), strict=True))
 
     def linear(self, x: Floats, u: Floats, weights: Floats, force: Floats, end: Floats) -> Solved | None:
         """Solve L change = force, the relation at a held end being off by `end`; None where there are no factors."""

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../../fmu_src/kernel/adjoint.h"
 #include "../../fmu_src/kernel/directional.h"
 #include "../../fmu_src/kernel/dormand_prince.h"
 #include "../../fmu_src/kernel/dynamics.h"
@@ -192,6 +193,16 @@ int probe_directional(Probe *probe, const double *x, const double *u, const doub
     cable_derivatives(&probe->model, x, u, &probe->work, derivative);
     if (!directional_point(&probe->model, x, &probe->work, derivative, &probe->linear)) return 0;
     directional_derivatives(&probe->model, x, &probe->linear, dx, du, d_derivative, d_output);
+    return 1;
+}
+
+/* Adjoint derivatives there: what the sum weighted by the seeds changes by with every state and input; 0 where there are none. */
+int probe_adjoint(Probe *probe, const double *x, const double *u, const double *seed_derivative,
+                  const double *seed_output, double *derivative, double *to_state, double *to_input)
+{
+    cable_derivatives(&probe->model, x, u, &probe->work, derivative);
+    if (!directional_point(&probe->model, x, &probe->work, derivative, &probe->linear)) return 0;
+    adjoint_derivatives(&probe->model, x, &probe->linear, seed_derivative, seed_output, to_state, to_input);
     return 1;
 }
 

@@ -1,23 +1,21 @@
 """Directional derivatives against the dense equation's by complex step, every force by itself as well.
 
-f(x + i h d) = f(x) + i h f'(x) d + O(h^2), and h = 1e-30 leaves nothing of the rest: the derivative of the dense
-equation, exact but for its rounding, without a line of algebra. It is taken in long double: of doubles the
-equation's condition leaves 2e-10 at 60 links, of the kernel's own derivative 2e-12.
+The expectations and what they are worth: tests/kernel/changes.py.
 """
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cablefmu.cable import Cable, Drag, Floats, Terminal
+from cablefmu.cable import Drag, Floats, Terminal
 from cablefmu.reference import Reference
-from cablefmu.reference.extended import long_double_acceleration, long_double_outputs
 from tests.kernel.cases import Case, case
+from tests.kernel.changes import Direction, expected_changes, random_directions, unit_directions
 from tests.kernel.library import Kernel, inputs_of
 from tests.random_cables import KINDS, random_cable, random_inputs, random_state
 
@@ -26,45 +24,6 @@ EXACT = 1e-10
 far from its pin, so that much cancels; the median is 3e-15 (12 links), 1e-14 (60). For outputs alike, tensions being
 sums over all links below: 3e-11 (60 links)."""
 PULLS = ("tension_top", "tension_end", "tension_max")
-STEP = np.longdouble(1e-30)
-
-
-@dataclass(frozen=True)
-class Direction:
-    """What states and inputs change by."""
-
-    q: Floats
-    v: Floats
-    inputs: Mapping[str, float]
-
-
-def unit_directions(cable: Cable) -> Iterator[Direction]:
-    """Every coordinate, every rate, every input, one at a time."""
-    half = cable.n + 1
-    none, nothing = dict.fromkeys(cable.inputs, 0.0), np.zeros(half)
-    for one in np.eye(half):
-        yield Direction(one, nothing, none)
-        yield Direction(nothing, one, none)
-    for name in cable.inputs:
-        yield Direction(nothing, nothing, none | {name: 1.0})
-
-
-def random_directions(cable: Cable, count: int) -> Iterator[Direction]:
-    """Everything at once, inputs by kilonewtons so that they are seen beside the rest."""
-    rng = np.random.default_rng(count)
-    for _ in range(count):
-        q, v = rng.normal(size=(2, cable.n + 1))
-        yield Direction(q, v, {name: 1e3 * rng.normal() for name in cable.inputs})
-
-
-def expected_changes(c: Case, along: Direction) -> tuple[Floats, dict[str, float]]:
-    """Of accelerations and outputs, by complex step."""
-    step = 1j * STEP
-    q, v = c.q + step * along.q, c.v + step * along.v
-    inputs = {name: value + step * along.inputs[name] for name, value in c.inputs.items()}
-    acceleration = long_double_acceleration(c.cable, q, v, inputs).imag / STEP
-    outputs = {name: np.imag(y) / STEP for name, y in long_double_outputs(c.cable, q, v, inputs).items()}
-    return acceleration.astype(float), {name: float(change) for name, change in outputs.items()}
 
 
 def found_changes(c: Case, along: Direction) -> tuple[Floats, dict[str, float]]:
