@@ -33,7 +33,7 @@ static const char NOT_A_CHOICE[] =
     "it is a real number, read and set as such (fmi2GetReal and fmi2SetReal, fmi3GetFloat64 and fmi3SetFloat64)";
 static const char TOO_LATE[] = "parameters and start values are fixed once initialization has ended";
 
-static const Variable *lookup(Instance *instance, uint32_t reference)
+const Variable *instance_variable(Instance *instance, uint32_t reference)
 {
     if (reference < instance->resource.variables) return &instance->resource.variable[reference];
     Text text;
@@ -51,7 +51,7 @@ static bool is_tension(uint32_t output)
     return output == Y_tension_top || output == Y_tension_end || output == Y_tension_max;
 }
 
-static void text_variable(Text *text, const Instance *instance, const Variable *variable)
+void text_variable(Text *text, const Instance *instance, const Variable *variable)
 {
     const uint32_t index = variable->index;
     switch ((VariableKind)variable->kind) {
@@ -135,7 +135,7 @@ static bool get_one(Instance *instance, const Variable *variable, double *value)
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values)
 {
     for (size_t k = 0; k < count; k++) {
-        const Variable *variable = lookup(instance, references[k]);
+        const Variable *variable = instance_variable(instance, references[k]);
         if (!variable || !get_one(instance, variable, &values[k])) return STATUS_ERROR;
     }
     return STATUS_OK;
@@ -162,7 +162,7 @@ static Status check(Instance *instance, const Variable *variable, double value)
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values)
 {
     for (size_t k = 0; k < count; k++) {
-        const Variable *variable = lookup(instance, references[k]);
+        const Variable *variable = instance_variable(instance, references[k]);
         if (variable && check(instance, variable, values[k]) == STATUS_OK) continue;
         /* Inside a step, going on with the force of an earlier time would be a wrong result. */
         if (instance->mode == MODE_INTERMEDIATE) instance->mode = MODE_FAILED;
@@ -186,7 +186,7 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
 
 static const Variable *lookup_choice(Instance *instance, uint32_t reference, const Text *value)
 {
-    const Variable *variable = lookup(instance, reference);
+    const Variable *variable = instance_variable(instance, reference);
     if (!variable || variable->kind == VARIABLE_SOLVER_CHOICE) return variable;
     refuse(instance, variable, value, NOT_A_CHOICE);
     return NULL;
@@ -220,7 +220,7 @@ void instance_set_choice(Instance *instance, int64_t value)
 
 Status instance_set_input_derivative(Instance *instance, uint32_t reference, int order, double value)
 {
-    const Variable *variable = lookup(instance, reference);
+    const Variable *variable = instance_variable(instance, reference);
     if (!variable) return STATUS_ERROR;
     if (variable->kind != VARIABLE_INPUT) return refuse_value(instance, variable, value, "it is not an input");
     if (order < 1 || order > INPUT_ORDERS)

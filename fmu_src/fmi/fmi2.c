@@ -209,7 +209,6 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 /* --- what the description says is not offered --- */
 
 static const char NO_STATE[] = "getting and setting the complete state is not offered (canGetAndSetFMUstate = false)";
-static const char NO_DERIVATIVE[] = "directional derivatives are not offered (providesDirectionalDerivative = false)";
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
@@ -245,14 +244,6 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
 {
     (void)serializedState, (void)size, (void)FMUstate;
     return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
-                                        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
-                                        fmi2Real dvUnknown[])
-{
-    (void)vUnknown_ref, (void)nUnknown, (void)vKnown_ref, (void)nKnown, (void)dvKnown, (void)dvUnknown;
-    return fmi2_refuse(c, NO_DERIVATIVE);
 }
 
 /* --- Model Exchange --- */
@@ -350,13 +341,6 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     for (size_t k = 0; k < nvr; k++)
         if (instance_set_input_derivative(instance, vr[k], order[k], value[k]) != STATUS_OK) return fmi2Error;
     return fmi2OK;
-}
-
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                        const fmi2Integer order[], fmi2Real value[])
-{
-    (void)vr, (void)nvr, (void)order, (void)value;
-    return fmi2_refuse(c, "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0)");
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,

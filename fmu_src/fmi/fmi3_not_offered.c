@@ -6,10 +6,8 @@
 
 static const char NO_DEPENDENCIES[] = "dependencies do not change; they stand in the model description";
 static const char NO_STATE[] = "getting and setting the complete state is not offered (canGetAndSetFMUState = false)";
-static const char NO_DERIVATIVES[] = "directional and adjoint derivatives are not offered";
 static const char NO_CONFIGURATION[] = "there are no structural parameters to configure";
 static const char NO_CLOCKS[] = "the cable has no clocks";
-static const char NO_OUTPUT_DERIVATIVES[] = "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0)";
 
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference valueReference, size_t *nDependencies)
 {
@@ -60,24 +58,6 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedStat
 {
     (void)serializedState, (void)size, (void)FMUState;
     return fmi3_refuse(c, NO_STATE);
-}
-
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
-                                        const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-                                        size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
-{
-    (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed, (void)sensitivity,
-        (void)nSensitivity;
-    return fmi3_refuse(c, NO_DERIVATIVES);
-}
-
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
-                                    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-                                    size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
-{
-    (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed, (void)sensitivity,
-        (void)nSensitivity;
-    return fmi3_refuse(c, NO_DERIVATIVES);
 }
 
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance c)
@@ -150,11 +130,4 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clockRe
 {
     (void)clockReference, (void)activationTime;
     return fmi3_refuse(c, NO_CLOCKS);
-}
-
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                                    const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
-{
-    (void)valueReferences, (void)nValueReferences, (void)orders, (void)values, (void)nValues;
-    return fmi3_refuse(c, NO_OUTPUT_DERIVATIVES);
 }

@@ -71,7 +71,7 @@ static void start_over(Instance *instance)
     start_solver(instance, (SolverChoice)resource->solver, DEFAULT_TOLERANCE);
     instance->time = instance->step_start = 0.0;
     instance->mode = MODE_INSTANTIATED;
-    instance->start_is_current = false;
+    instance->start_is_current = instance->linear_is_lent = false;
     invalidate_model(instance);
 }
 
@@ -80,7 +80,9 @@ static size_t doubles_of(const Resource *resource)
     const int n = (int)resource->n;
     const size_t states = 2u * ((size_t)n + 1u);
     const size_t for_start = resource->initial == INITIAL_EQUILIBRIUM ? states + statics_doubles(n) : 0;
-    return 2 * states + model_doubles(n) + work_doubles(n) + linear_doubles(n) + solver_doubles(n) + for_start;
+    const size_t for_changes = 3 * states;
+    return 2 * states + for_changes + model_doubles(n) + work_doubles(n) + linear_doubles(n) + solver_doubles(n) +
+           for_start;
 }
 
 /* The constants that the resource file gives, and where every array lives in the one block. */
@@ -100,6 +102,7 @@ static void lay_out(Instance *instance)
     const size_t states = (size_t)model_states(model);
     instance->x = next, next += states;
     instance->derivative = next, next += states;
+    instance->changes = next, next += 3 * states;
     model_layout(model, next), next += model_doubles(n);
     work_layout(&instance->work, n, next), next += work_doubles(n);
     linear_layout(&instance->linear, n, next), next += linear_doubles(n);

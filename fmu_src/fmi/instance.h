@@ -60,6 +60,9 @@ struct Instance {
     double *guess, *statics_block; /* the start states as set, for an equilibrium near them; NULL: they are the start */
     double u[INPUT_COUNT], u_derivative[INPUT_ORDERS][INPUT_COUNT], output[OUTPUT_COUNT];
     double statics[STATICS_COUNT];
+    double *changes;        /* three times the states, scratch [derivatives.c] */
+    bool linear_is_current; /* for derivatives at the present state */
+    bool linear_is_lent;    /* to derivatives: the solver's linearised chain is gone [step.c] */
     bool model_is_current, start_is_current, derivatives_are_current, outputs_are_current, tensions_are_current;
     SolverMemory solver;
 };
@@ -104,6 +107,10 @@ bool refresh_derivatives(Instance *instance);
 bool refresh_outputs(Instance *instance, bool with_tensions);
 void invalidate_state(Instance *instance);
 void invalidate_model(Instance *instance);
+
+/* The variable of a reference; NULL after a message. */
+const Variable *instance_variable(Instance *instance, uint32_t reference);
+void text_variable(Text *text, const Instance *instance, const Variable *variable);
 
 /* Name of state k for messages: y_m1, theta[1], ..., v_m1, omega[1], ... */
 void text_state(Text *text, const Instance *instance, size_t k);

@@ -87,10 +87,23 @@ static Status check_step(Instance *instance, double communication_point, double 
     return STATUS_OK;
 }
 
+/* The linearised chain that the solver counts on, if derivatives were asked for since; nothing of it is counted. */
+static void take_linear_back(Instance *instance)
+{
+    if (instance->linear_is_lent && instance->solver.has_point) {
+        cable_derivatives(&instance->model, instance->x, instance->solver.slope_u, &instance->work,
+                          instance->derivative);
+        linear_point(&instance->model, instance->x, &instance->work, instance->derivative, &instance->linear);
+        invalidate_state(instance);
+    }
+    instance->linear_is_lent = false;
+}
+
 Status instance_step(Instance *instance, double communication_point, double step)
 {
     if (check_step(instance, communication_point, step) != STATUS_OK) return STATUS_ERROR;
     refresh_model(instance);
+    take_linear_back(instance);
     const System system = {&instance->model, &instance->work, &instance->linear,
                            inputs_at,        instance,        inputs_rest(instance)};
     const double end = communication_point + step;

@@ -53,6 +53,11 @@ size_t statics_doubles(int n)
     return 8u * ((size_t)n + 1u);
 }
 
+bool statics_holds_end(const Model *model)
+{
+    return model->terminal == TERMINAL_PIN || model->terminal == TERMINAL_ANCHOR_MASS;
+}
+
 static Search search_in(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x)
 {
     const size_t half = (size_t)model->n + 1;
@@ -60,7 +65,7 @@ static Search search_in(const Model *model, const double *u, Work *work, Linear 
     search.trial = block;
     double **const rest[] = {&search.force, &search.step, &search.force_x, &search.force_y};
     for (size_t k = 0; k < 4; k++) *rest[k] = block + (2 + k) * half;
-    search.is_held = model->terminal == TERMINAL_PIN || model->terminal == TERMINAL_ANCHOR_MASS;
+    search.is_held = statics_holds_end(model);
     return search;
 }
 

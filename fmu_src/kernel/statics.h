@@ -16,6 +16,9 @@ typedef enum {
 /* Doubles of the block that statics_solve() works in. */
 size_t statics_doubles(int n);
 
+/* Whether statics keeps P_n where it is: on its pin, or an anchor that is held by its mass alone. */
+bool statics_holds_end(const Model *model);
+
 /*
  * From the angles and the heave in x[2 (n + 1)] to a stable equilibrium near them, under u[INPUT_COUNT]; the velocities
  * become zero. figure[STATICS_COUNT] tells how well and how long, on failure as well.

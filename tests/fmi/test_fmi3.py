@@ -87,7 +87,6 @@ def test_as_many_values_as_references(unpacked: Unpacked) -> None:
 
 NOT_OFFERED = {
     "State$": "the complete state is not offered",
-    "(Directional|Adjoint)Derivative$": "derivatives are not offered",
     "ConfigurationMode$": "there are no structural parameters",
     "(Interval|Shift)(Decimal|Fraction)$": "the cable has no clocks",
     "Dependencies$": "dependencies do not change",

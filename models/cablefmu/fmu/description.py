@@ -171,12 +171,13 @@ def _fmi2(
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "false",
+        "providesDirectionalDerivative": "true",
     }
     ET.SubElement(root, "ModelExchange", {**capabilities, "completedIntegratorStepNotNeeded": "true"})
     stepping = {
         "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "true",
-        "maxOutputDerivativeOrder": "0",
+        "maxOutputDerivativeOrder": "1",
     }
     ET.SubElement(root, "CoSimulation", {**capabilities, **stepping})
     # Time needs no variable in FMI 2.
@@ -232,6 +233,8 @@ def _fmi3(
         "needsExecutionTool": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canGetAndSetFMUState": "false",
+        "providesDirectionalDerivatives": "true",
+        "providesAdjointDerivatives": "true",
     }
     ET.SubElement(root, "ModelExchange", {**capabilities, "needsCompletedIntegratorStep": "false"})
     stepping = {
@@ -240,7 +243,7 @@ def _fmi3(
         "mightReturnEarlyFromDoStep": "false",
         "canReturnEarlyAfterIntermediateUpdate": "false",
         "hasEventMode": "false",
-        "maxOutputDerivativeOrder": "0",
+        "maxOutputDerivativeOrder": "1",
     }
     ET.SubElement(root, "CoSimulation", {**capabilities, **stepping})
     _add_units(root, variables)

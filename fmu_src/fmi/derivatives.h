@@ -1,0 +1,24 @@
+/* Partial derivatives of the unknowns by the knowns [kernel/directional.h, kernel/adjoint.h], whatever the version of FMI. */
+#ifndef CABLE_DERIVATIVES_H
+#define CABLE_DERIVATIVES_H
+
+#include "instance.h"
+
+/* Unknowns, and what they are taken by: `count` references each with a value for every one. */
+typedef struct {
+    const uint32_t *reference;
+    size_t count;
+} References;
+
+/* sensitivity[unknowns.count] = dy/dx seed[knowns.count] */
+Status instance_directional(Instance *instance, References unknowns, References knowns, const double *seed,
+                            double *sensitivity);
+
+/* sensitivity[knowns.count] = (dy/dx)^T seed[unknowns.count] */
+Status instance_adjoint(Instance *instance, References unknowns, References knowns, const double *seed,
+                        double *sensitivity);
+
+/* Time derivatives of outputs, of order 1, while the inputs go on by the derivatives given for the step to come. */
+Status instance_output_derivatives(Instance *instance, References outputs, const int32_t *orders, double *values);
+
+#endif
