@@ -128,6 +128,13 @@ static double *place_of(Changes *changes, const Variable *variable)
     }
 }
 
+static bool has_output(const Instance *instance, References references)
+{
+    for (size_t k = 0; k < references.count; k++)
+        if (instance->resource.variable[references.reference[k]].kind == VARIABLE_OUTPUT) return true;
+    return false;
+}
+
 static void add_seeds(const Instance *instance, Changes *changes, References references, const double *seed)
 {
     for (size_t k = 0; k < references.count; k++) {
@@ -144,8 +151,8 @@ static void take_results(const Instance *instance, Changes *changes, References 
     }
 }
 
-/* From the changes of states and inputs to those of derivatives and outputs. */
-static bool carry_forward(Instance *instance, Changes *changes)
+/* From the changes of states and inputs to those of derivatives and, where asked for, outputs. */
+static bool carry_forward(Instance *instance, Changes *changes, bool with_outputs)
 {
     const size_t half = (size_t)instance->model.n + 1;
     if (starts_at_equilibrium(instance)) {
@@ -156,18 +163,18 @@ static bool carry_forward(Instance *instance, Changes *changes)
     }
     if (!refresh_linear(instance)) return false;
     directional_derivatives(&instance->model, instance->x, &instance->linear, changes->of_states, changes->of_inputs,
-                            changes->of_derivatives, changes->of_outputs);
+                            changes->of_derivatives, with_outputs ? changes->of_outputs : NULL);
     return true;
 }
 
 /* From the weights of states, derivatives and outputs to those of states and inputs. */
-static bool carry_back(Instance *instance, Changes *changes, double *of_states_too)
+static bool carry_back(Instance *instance, Changes *changes, bool with_outputs, double *of_states_too)
 {
     const size_t half = (size_t)instance->model.n + 1, states = 2 * half;
     if (!refresh_linear(instance)) return false;
     memcpy(of_states_too, changes->of_states, states * sizeof *of_states_too);
-    adjoint_derivatives(&instance->model, instance->x, &instance->linear, changes->of_derivatives, changes->of_outputs,
-                        changes->of_states, changes->of_inputs);
+    adjoint_derivatives(&instance->model, instance->x, &instance->linear, changes->of_derivatives,
+                        with_outputs ? changes->of_outputs : NULL, changes->of_states, changes->of_inputs);
     for (size_t k = 0; k < states; k++) changes->of_states[k] += of_states_too[k];
     if (!starts_at_equilibrium(instance)) return true;
     if (!take_equilibrium(instance)) return false;
@@ -183,7 +190,7 @@ Status instance_directional(Instance *instance, References unknowns, References 
         return STATUS_ERROR;
     Changes changes = no_changes(instance);
     add_seeds(instance, &changes, knowns, seed);
-    if (!carry_forward(instance, &changes)) return STATUS_ERROR;
+    if (!carry_forward(instance, &changes, has_output(instance, unknowns))) return STATUS_ERROR;
     take_results(instance, &changes, unknowns, sensitivity);
     return STATUS_OK;
 }
@@ -196,7 +203,8 @@ Status instance_adjoint(Instance *instance, References unknowns, References know
         return STATUS_ERROR;
     Changes changes = no_changes(instance);
     add_seeds(instance, &changes, unknowns, seed);
-    if (!carry_back(instance, &changes, instance->changes + 2 * model_states(&instance->model))) return STATUS_ERROR;
+    double *spare = instance->changes + 2 * model_states(&instance->model);
+    if (!carry_back(instance, &changes, has_output(instance, unknowns), spare)) return STATUS_ERROR;
     take_results(instance, &changes, knowns, sensitivity);
     return STATUS_OK;
 }
@@ -213,7 +221,7 @@ Status instance_output_derivatives(Instance *instance, References outputs, const
     Changes changes = no_changes(instance);
     memcpy(changes.of_states, instance->derivative, (size_t)model_states(&instance->model) * sizeof(double));
     memcpy(changes.of_inputs, instance->u_derivative[0], sizeof changes.of_inputs);
-    if (!carry_forward(instance, &changes)) return STATUS_ERROR;
+    if (!carry_forward(instance, &changes, true)) return STATUS_ERROR;
     take_results(instance, &changes, outputs, values);
     return STATUS_OK;
 }

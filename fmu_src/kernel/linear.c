@@ -91,9 +91,10 @@ static void hold(const Model *model, Linear *linear)
                              per_mass};
 }
 
-/* Columns that the scene's forces fill. */
+/* Columns that the scene's forces fill; where neither velocities nor positions change, those of the acceleration. */
 static int columns_of(const Model *model, const Linear *linear)
 {
+    if (linear->weights.v == 0.0 && linear->weights.q == 0.0) return COLUMN_V;
     if (model->has_spring && !linear->is_held) return MOST_COLUMNS;
     return model->has_drag ? COLUMN_P : COLUMN_V;
 }
@@ -101,7 +102,6 @@ static int columns_of(const Model *model, const Linear *linear)
 void linear_rest(const Model *model, const Work *work, const double *force_x, const double *force_y, Linear *linear)
 {
     hold(model, linear);
-    linear->columns = columns_of(model, linear);
     for (int i = 0; i < model->n; i++) {
         const double ex = work->sine[i], ey = work->cosine[i];
         linear->sine[i] = ex, linear->cosine[i] = ey;
@@ -117,7 +117,6 @@ void linear_point(const Model *model, const double *x, const Work *work, const d
     const double *factor = model->drag_factor;
     const double *rate = x + n + 2, *turn = derivative + n + 2;
     hold(model, linear);
-    linear->columns = columns_of(model, linear);
     for (int i = 0; i < n; i++) {
         linear->sine[i] = work->sine[i], linear->cosine[i] = work->cosine[i];
         linear->rate[i] = rate[i], linear->turn[i] = turn[i];
@@ -337,6 +336,7 @@ static int eliminate_all(const Model *model, Linear *linear, Below *below)
 int linear_factor(const Model *model, Weights weights, Linear *linear)
 {
     linear->weights = weights;
+    linear->columns = columns_of(model, linear);
     take_moves(model, linear);
     Below below = below_terminal(model, linear);
     int negative = eliminate_all(model, linear, &below);

@@ -48,7 +48,7 @@ typedef struct Linear {
     HeldEnd held;
     double border[4];  /* xx, xy, yx, yy: force at a held end by what its relation is off by */
     double through[2]; /* what linear_solve() found to go through a held end */
-    int columns;       /* that matter in this scene */
+    int columns;       /* that matter in this scene, for these weights */
     Weights weights;
 } Linear;
 

@@ -2,12 +2,17 @@
  * A submerged cable of argv[1] links, its right-hand side argv[2] times: for callgrind, which counts instructions.
  * argv[3] names what the cable has: w water that drags and bears, b water that bears alone, k joint springs, c joint
  * dampers, r a terminal with rotary inertia, u forces on both ends; and what it ends on, s springs, f a second floater,
- * p a pin, otherwise a load.
+ * p a pin, otherwise a load. argv[4], if given, counts something else in place of the right-hand side: "adjoint" the
+ * right-hand side at a new state, its linearisation and one adjoint derivative, of every derivative and every output;
+ * "adjoint of states" the same of derivatives alone; "another adjoint" one more at that state; "directional" and
+ * "another directional" likewise.
  */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "../../fmu_src/kernel/adjoint.h"
+#include "../../fmu_src/kernel/directional.h"
 #include "../../fmu_src/kernel/dynamics.h"
 
 static void fill(Model *model, double *column, const char *features)
@@ -49,6 +54,36 @@ static void fill_end(Model *model, const char *features)
     }
 }
 
+/* `times` times; whether something came of it. */
+static bool repeat_derivatives(const char *what, int times, const Model *model, const double *x, const double *u,
+                               Work *work, double *derivative)
+{
+    const size_t states = (size_t)model_states(model);
+    const bool anew = !strstr(what, "another"), all = !strstr(what, "of states");
+    double outputs[OUTPUT_COUNT], inputs[INPUT_COUNT] = {1.0, 1.0, 1.0, 1.0};
+    double *block = calloc(linear_doubles(model->n) + 2 * states, sizeof(double)), *given = block,
+           *found = given + states;
+    if (!block) return false;
+    Linear linear;
+    linear_layout(&linear, model->n, found + states);
+    for (size_t k = 0; k < states; k++) given[k] = 1.0;
+    for (int k = 0; k < OUTPUT_COUNT; k++) outputs[k] = 1.0;
+    bool done = directional_point(model, x, work, derivative, &linear);
+    for (int k = 0; k < times; k++) {
+        if (anew) {
+            cable_derivatives(model, x, u, work, derivative);
+            done &= directional_point(model, x, work, derivative, &linear);
+        }
+        if (strstr(what, "adjoint"))
+            adjoint_derivatives(model, x, &linear, given, all ? outputs : NULL, found, inputs);
+        else
+            directional_derivatives(model, x, &linear, given, inputs, found, all ? outputs : NULL);
+    }
+    done &= found[states - 1] != 0.0;
+    free(block);
+    return done;
+}
+
 int main(int count, char **text)
 {
     if (count < 4) return 2;
@@ -68,8 +103,10 @@ int main(int count, char **text)
     for (int k = 0; k < INPUT_COUNT && strchr(text[3], 'u'); k++) u[k] = 1000.0;
     for (int i = 1; i <= n; i++) x[i] = 0.78 + 0.1 * sin(0.7 * i), x[n + 1 + i] = 0.1 * cos(1.3 * i);
     model_prepare(&model);
-    for (int k = 0; k < times; k++) cable_derivatives(&model, x, u, &work, derivative);
-    const bool moved = derivative[n + 1] != 0.0;
+    const char *what = count > 4 ? text[4] : NULL;
+    for (int k = 0; k < (what ? 1 : times); k++) cable_derivatives(&model, x, u, &work, derivative);
+    bool moved = derivative[n + 1] != 0.0;
+    if (what) moved &= repeat_derivatives(what, times, &model, x, u, &work, derivative);
     free(block);
     return moved ? 0 : 1;
 }
