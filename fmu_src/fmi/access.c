@@ -149,6 +149,8 @@ static Status check(Instance *instance, const Variable *variable, double value)
         return refuse_value(instance, variable, value, "it is calculated and cannot be set");
     if (!isfinite(value)) return refuse_value(instance, variable, value, "a finite number is expected");
     if (variable->kind == VARIABLE_INPUT) return STATUS_OK;
+    /* Casadi's importer, for one, moves states of Model Exchange as variables. */
+    if (variable->kind == VARIABLE_STATE && instance->mode & (MODE_EVENT | MODE_CONTINUOUS)) return STATUS_OK;
     if (!(instance->mode & MODE_SETUP)) return refuse_value(instance, variable, value, TOO_LATE);
     if (variable->kind == VARIABLE_STATE) return STATUS_OK;
     const char *least = PARAMETER_INFO[variable->index].least;
@@ -174,7 +176,7 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
             instance->model.parameter[variable->index] = values[k];
             invalidate_model(instance);
         } else {
-            double *states = instance->guess ? instance->guess : instance->x;
+            double *states = instance->guess && instance->mode & MODE_SETUP ? instance->guess : instance->x;
             double *place = variable->kind == VARIABLE_INPUT ? instance->u : states;
             place[variable->index] = values[k];
             invalidate_state(instance);

@@ -267,3 +267,25 @@ def test_results_do_not_depend_on_the_current_folder(
     with Host(unpacked("load", fmi)) as host:
         there = host.initialize().run(0.5)
     np.testing.assert_array_equal(there, here)
+
+
+@both
+@pytest.mark.parametrize("starts", ["shape", "equilibrium"])
+def test_states_may_be_moved_as_variables_in_model_exchange(
+    starts: str, fmi: int, unpacked: Unpacked, unpacked_from_equilibrium: Unpacked
+) -> None:
+    """Casadi's importer does so; it is the same as fmi2SetContinuousStates. In Co-Simulation they are the solver's."""
+    folder = (unpacked if starts == "shape" else unpacked_from_equilibrium)("load", fmi)
+    with Host(folder, interface="me") as host:
+        host.initialize()
+        x = host.states() + 0.01
+        host.set_all({f"theta[{i}]": float(x[i]) for i in range(1, 6)})
+        host.set(y_m1=float(x[0]), v_m1=float(x[6]))
+        host.set_all({f"omega[{i}]": float(x[6 + i]) for i in range(1, 6)})
+        assert host.states().tolist() == x.tolist()
+        by_variables = host.derivatives()
+        host.set_states(x)
+        assert host.derivatives().tolist() == by_variables.tolist()
+    with Host(folder) as host:
+        host.initialize()
+        assert "fixed once initialization has ended" in host.refusal(host.set, y_m1=0.01)
