@@ -229,7 +229,14 @@ Status instance_set_input_derivative(Instance *instance, uint32_t reference, int
         return refuse_value(instance, variable, value, "its derivatives of order 1 to 8 are taken");
     if (!isfinite(value)) return refuse_value(instance, variable, value, "its derivative must be a finite number");
     instance->u_derivative[order - 1][variable->index] = value;
+    if (order > instance->u_orders) instance->u_orders = order;
     return STATUS_OK;
+}
+
+void forget_input_derivatives(Instance *instance)
+{
+    memset(instance->u_derivative, 0, (size_t)instance->u_orders * sizeof *instance->u_derivative);
+    instance->u_orders = 0;
 }
 
 static Status wrong_size(Instance *instance, size_t count)

@@ -66,7 +66,7 @@ static void start_over(Instance *instance)
     memcpy(instance->x + half, resource->velocity, half * sizeof *instance->x);
     if (instance->guess) memcpy(instance->guess, instance->x, 2 * half * sizeof *instance->x);
     memcpy(instance->u, resource->input_start, sizeof instance->u);
-    memset(instance->u_derivative, 0, sizeof instance->u_derivative);
+    forget_input_derivatives(instance);
     memset(instance->statics, 0, sizeof instance->statics);
     start_solver(instance, (SolverChoice)resource->solver, DEFAULT_TOLERANCE);
     instance->time = instance->step_start = 0.0;

@@ -59,6 +59,7 @@ struct Instance {
     double *x, *derivative, *solver_block;
     double *guess, *statics_block; /* the start states as set, for an equilibrium near them; NULL: they are the start */
     double u[INPUT_COUNT], u_derivative[INPUT_ORDERS][INPUT_COUNT], output[OUTPUT_COUNT];
+    int u_orders; /* derivatives of inputs that were given for the step to come; zeros beyond */
     double statics[STATICS_COUNT];
     double *changes;        /* three times the states, scratch [derivatives.c] */
     bool linear_is_current; /* for derivatives at the present state */
@@ -89,6 +90,7 @@ Status instance_check_choice(Instance *instance, uint32_t reference, int64_t val
 void instance_set_choice(Instance *instance, int64_t value); /* after instance_check_choice() said OK */
 
 Status instance_set_input_derivative(Instance *instance, uint32_t reference, int order, double value);
+void forget_input_derivatives(Instance *instance);
 
 /* Model Exchange. */
 Status instance_set_time(Instance *instance, double time);

@@ -15,25 +15,19 @@ static bool inputs_at(void *source, double time, double *u)
         memcpy(u, instance->u, sizeof instance->u);
         return given;
     }
+    if (instance->u_orders == 0) {
+        memcpy(u, instance->u, sizeof instance->u);
+        return true;
+    }
     const double ahead = time - instance->step_start;
     for (int k = 0; k < INPUT_COUNT; k++) {
         /* u + u' s + u'' s^2/2 + ... by Horner: ((... + u3) s/3 + u2) s/2 + ... */
         double sum = 0.0;
-        for (int order = INPUT_ORDERS; order >= 1; order--)
+        for (int order = instance->u_orders; order >= 1; order--)
             sum = (sum + instance->u_derivative[order - 1][k]) * ahead / order;
         u[k] = instance->u[k] + sum;
         if (!isfinite(u[k])) return false;
     }
-    return true;
-}
-
-/* Whether nothing was said of the inputs but their present values. */
-static bool inputs_rest(const Instance *instance)
-{
-    if (instance->host.intermediate) return false;
-    for (int order = 0; order < INPUT_ORDERS; order++)
-        for (int k = 0; k < INPUT_COUNT; k++)
-            if (instance->u_derivative[order][k] != 0.0) return false;
     return true;
 }
 
@@ -104,8 +98,8 @@ Status instance_step(Instance *instance, double communication_point, double step
     if (check_step(instance, communication_point, step) != STATUS_OK) return STATUS_ERROR;
     refresh_model(instance);
     take_linear_back(instance);
-    const System system = {&instance->model, &instance->work, &instance->linear,
-                           inputs_at,        instance,        inputs_rest(instance)};
+    const bool inputs_rest = !instance->host.intermediate && instance->u_orders == 0;
+    const System system = {&instance->model, &instance->work, &instance->linear, inputs_at, instance, inputs_rest};
     const double end = communication_point + step;
     instance->step_start = instance->time;
     const SolverStatus status =
@@ -114,6 +108,6 @@ Status instance_step(Instance *instance, double communication_point, double step
     if (status != SOLVER_OK) return give_up(instance, status);
     /* Outputs at the end see the inputs of the end; what the host said of their slopes is used up. */
     if (!inputs_at(instance, end, instance->u)) return give_up(instance, SOLVER_INPUT_FAILED);
-    memset(instance->u_derivative, 0, sizeof instance->u_derivative);
+    forget_input_derivatives(instance);
     return STATUS_OK;
 }
