@@ -1,7 +1,7 @@
 """A stiff cable in other people's implicit hosts, with and without our directional derivatives.
 
-`python hosts_peer.py FMU STOP TOLERANCE` with an FMI 2 FMU, in an environment that has casadi, scikit-sundae and fmpy. Prints JSON:
-host -> how its Jacobian is made -> steps, evaluations, failures, CPU seconds, where the terminal ends.
+`python hosts_peer.py FMU STOP TOLERANCE` with an FMI 2 FMU, in an environment that has casadi, scikit-sundae and fmpy.
+Prints JSON: host -> how its Jacobian is made -> steps, evaluations, failures, CPU seconds, where the terminal ends.
 """
 
 from __future__ import annotations
@@ -106,7 +106,8 @@ def without_flag(path: str) -> str:
         for entry in source.infolist():
             content = source.read(entry)
             if entry.filename == "modelDescription.xml":
-                content = content.replace(b'providesDirectionalDerivative="true"', b'providesDirectionalDerivative="false"')
+                flag = b'providesDirectionalDerivative="%s"'
+                content = content.replace(flag % b"true", flag % b"false")
             target.writestr(entry, content)
     return copy
 
@@ -129,9 +130,13 @@ def casadi_cvodes(path: str, inputs: dict[str, float], stop: float, tolerance: f
     seconds = time.process_time() - begun
     stats = integrate.stats()
     state = np.array(found["xf"]).ravel()
-    return {"seconds": seconds, "success": bool(np.all(np.isfinite(state))), "state": state.tolist(), "stats": {
-        name: value for name, value in stats.items() if isinstance(value, int | float | bool)
-    }, "names": model.x()}
+    return {
+        "seconds": seconds,
+        "success": bool(np.all(np.isfinite(state))),
+        "state": state.tolist(),
+        "stats": {name: value for name, value in stats.items() if isinstance(value, int | float | bool)},
+        "names": model.x(),
+    }
 
 
 def co_simulation(folder: str, inputs: dict[str, float], stop: float, tolerance: float) -> dict[str, Any]:

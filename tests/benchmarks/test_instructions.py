@@ -77,8 +77,8 @@ def test_what_a_cable_does_not_have_costs_nothing(program: Path) -> None:
 @pytest.mark.parametrize("features", ["wkc", "wkcs", "kc", "wkcp", "wkcf"])
 @pytest.mark.parametrize("links", [12, 120, 1000])
 def test_an_adjoint_costs_at_most_five_right_hand_sides(program: Path, links: int, features: str) -> None:
-    """Of all derivatives and all outputs, the linearisation included, beside the right-hand side that a host has at this
-    state anyway: 2.5 to 4.6. Of derivatives alone that right-hand side is within the five: 3.0 to 4.8. One more of them
+    """Of all derivatives and all outputs, the linearisation included, beside the right-hand side that a host has at
+    this state anyway: 2.5 to 4.6. Of derivatives alone that right-hand side is within the five: 3.0 to 4.8. One more
     at the same state costs at most two, and so does a directional derivative: 0.8 to 1.7."""
     one = per_evaluation(program, links, features)
     assert per_evaluation(program, links, features, "adjoint") <= 6.0 * one
