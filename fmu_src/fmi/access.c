@@ -137,6 +137,8 @@ Status instance_get(Instance *instance, const uint32_t *references, size_t count
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = instance_variable(instance, references[k]);
         if (!variable || !get_one(instance, variable, &values[k])) return STATUS_ERROR;
+        if (!isfinite(values[k]))
+            return refuse_value(instance, variable, values[k], "forces or rates are beyond the range of numbers");
     }
     return STATUS_OK;
 }
@@ -150,9 +152,10 @@ static Status check(Instance *instance, const Variable *variable, double value)
     if (!isfinite(value)) return refuse_value(instance, variable, value, "a finite number is expected");
     if (variable->kind == VARIABLE_INPUT) return STATUS_OK;
     /* Casadi's importer, for one, moves states of Model Exchange as variables. */
-    if (variable->kind == VARIABLE_STATE && instance->mode & (MODE_EVENT | MODE_CONTINUOUS)) return STATUS_OK;
-    if (!(instance->mode & MODE_SETUP)) return refuse_value(instance, variable, value, TOO_LATE);
-    if (variable->kind == VARIABLE_STATE) return STATUS_OK;
+    const bool is_state = variable->kind == VARIABLE_STATE;
+    const unsigned modes = is_state ? MODE_SETUP | MODE_EVENT | MODE_CONTINUOUS : MODE_SETUP;
+    if (!(instance->mode & modes)) return refuse_value(instance, variable, value, TOO_LATE);
+    if (is_state) return STATUS_OK;
     const char *least = PARAMETER_INFO[variable->index].least;
     if (strcmp(least, "+0") == 0 && !(value > 0.0))
         return refuse_value(instance, variable, value, "a number above 0 is expected");
@@ -167,7 +170,7 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
         const Variable *variable = instance_variable(instance, references[k]);
         if (variable && check(instance, variable, values[k]) == STATUS_OK) continue;
         /* Inside a step, going on with the force of an earlier time would be a wrong result. */
-        if (instance->mode == MODE_INTERMEDIATE) instance->mode = MODE_FAILED;
+        if (instance->mode & (MODE_ASKED | MODE_ACCEPTED)) instance->mode = MODE_FAILED;
         return STATUS_ERROR;
     }
     for (size_t k = 0; k < count; k++) {
@@ -237,6 +240,19 @@ void forget_input_derivatives(Instance *instance)
 {
     memset(instance->u_derivative, 0, (size_t)instance->u_orders * sizeof *instance->u_derivative);
     instance->u_orders = 0;
+}
+
+Status instance_check_intermediate(Instance *instance, const uint32_t *references, size_t count, bool *any_input)
+{
+    *any_input = false;
+    for (size_t k = 0; k < count; k++) {
+        const Variable *variable = instance_variable(instance, references[k]);
+        if (!variable) return STATUS_ERROR;
+        if (variable->kind != VARIABLE_INPUT && variable->kind != VARIABLE_OUTPUT)
+            return refuse(instance, variable, NULL, "it is not set or read inside a step (intermediateUpdate = false)");
+        *any_input |= variable->kind == VARIABLE_INPUT;
+    }
+    return STATUS_OK;
 }
 
 static Status wrong_size(Instance *instance, size_t count)

@@ -3,7 +3,7 @@
 #define CABLE_FMI2_COMPONENT_H
 
 #include "fmi2Functions.h"
-#include "instance.h"
+#include "legal.h"
 
 typedef struct {
     Instance *instance;
@@ -18,6 +18,6 @@ fmi2Status fmi2_status(Status status);
 fmi2Status fmi2_refuse(fmi2Component c, const char *message);
 
 /* The instance if it exists and the call is legal now, else NULL after a message. */
-Instance *fmi2_legal(fmi2Component c, unsigned modes, const char *call);
+Instance *fmi2_legal(fmi2Component c, Call call);
 
 #endif

@@ -6,8 +6,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[])
 {
-    Instance *instance = fmi2_legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED,
-                                    "fmi2GetDirectionalDerivative");
+    Instance *instance = fmi2_legal(c, CALL_fmi2GetDirectionalDerivative);
     if (!instance) return fmi2Error;
     if ((nUnknown && (!vUnknown_ref || !dvUnknown)) || (nKnown && (!vKnown_ref || !dvKnown)))
         return fmi2_refuse(c, "fmi2GetDirectionalDerivative: a null pointer was given");
@@ -18,7 +17,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[])
 {
-    Instance *instance = fmi2_legal(c, MODE_STEP | MODE_TERMINATED | MODE_FAILED, "fmi2GetRealOutputDerivatives");
+    Instance *instance = fmi2_legal(c, CALL_fmi2GetRealOutputDerivatives);
     if (!instance) return fmi2Error;
     if (nvr && (!vr || !order || !value))
         return fmi2_refuse(c, "fmi2GetRealOutputDerivatives: a null pointer was given");

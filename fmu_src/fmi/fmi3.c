@@ -6,7 +6,7 @@
 
 fmi3Status fmi3_status(Status status)
 {
-    static const fmi3Status MEANING[] = {fmi3OK, fmi3Warning, fmi3Error};
+    static const fmi3Status MEANING[] = {fmi3OK, fmi3Warning, fmi3Error, fmi3Discard};
     return MEANING[status];
 }
 
@@ -14,19 +14,7 @@ static void log_message(void *owner, Status status, const char *message)
 {
     const Component *component = owner;
     if (!component->log_message) return;
-    const char *category = status == STATUS_WARNING ? "logStatusWarning" : "logStatusError";
-    component->log_message(component->environment, fmi3_status(status), category, message);
-}
-
-/* Stage times of a step run ahead and back; nothing may be read there, inputs may be set. */
-static bool ask_host(void *owner, double time)
-{
-    const Component *component = owner;
-    fmi3Boolean early = fmi3False;
-    fmi3Float64 early_time = time;
-    component->intermediate_update(component->environment, time, fmi3True, fmi3False, fmi3False, fmi3False, &early,
-                                   &early_time);
-    return true;
+    component->log_message(component->environment, fmi3_status(status), log_category(status), message);
 }
 
 fmi3Status fmi3_refuse(fmi3Instance c, const char *message)
@@ -35,14 +23,14 @@ fmi3Status fmi3_refuse(fmi3Instance c, const char *message)
     return fmi3Error;
 }
 
-Instance *fmi3_legal(fmi3Instance c, unsigned modes, const char *call)
+Instance *fmi3_legal(fmi3Instance c, Call call)
 {
     Component *component = c;
     if (!component) return NULL;
-    return instance_allows(component->instance, modes, call) ? component->instance : NULL;
+    return instance_allows(component->instance, call) ? component->instance : NULL;
 }
 
-static fmi3Instance instantiate(Component blank, Interface interface, fmi3String token, fmi3String resource_path)
+static Component *instantiate(Component blank, Interface interface, fmi3String token, fmi3String resource_path)
 {
     Component *component = malloc(sizeof *component);
     if (!component) {
@@ -50,7 +38,7 @@ static fmi3Instance instantiate(Component blank, Interface interface, fmi3String
         return NULL;
     }
     *component = blank;
-    const Host host = {component, log_message, blank.intermediate_update ? ask_host : NULL};
+    const Host host = {component, log_message, NULL, NULL};
     component->instance = instance_new(interface, token, resource_path, host);
     if (component->instance) return component;
     free(component);
@@ -64,9 +52,9 @@ const char *fmi3GetVersion(void)
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[])
 {
-    /* There is nothing to switch: only statuses other than OK are logged, and those always are. */
-    (void)loggingOn, (void)nCategories, (void)categories;
-    return c ? fmi3OK : fmi3Error;
+    (void)loggingOn; /* there is nothing to switch: only statuses other than OK are logged, and those always are */
+    Instance *instance = fmi3_legal(c, CALL_fmi3SetDebugLogging);
+    return instance ? fmi3_status(instance_check_categories(instance, categories, nCategories)) : fmi3Error;
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
@@ -75,7 +63,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3LogMessageCallback logMessage)
 {
     (void)instanceName, (void)visible, (void)loggingOn;
-    const Component blank = {NULL, logMessage, NULL, instanceEnvironment};
+    const Component blank = {NULL, logMessage, instanceEnvironment, NULL, false};
     return instantiate(blank, MODEL_EXCHANGE, instantiationToken, resourcePath);
 }
 
@@ -87,12 +75,17 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
-    (void)instanceName, (void)visible, (void)loggingOn, (void)eventModeUsed, (void)earlyReturnAllowed;
-    (void)requiredIntermediateVariables;
-    /* A host that names no intermediate variable has nothing to say inside a step. */
-    const bool wanted = intermediateUpdate && nRequiredIntermediateVariables > 0;
-    const Component blank = {NULL, logMessage, wanted ? intermediateUpdate : NULL, instanceEnvironment};
-    return instantiate(blank, CO_SIMULATION, instantiationToken, resourcePath);
+    (void)instanceName, (void)visible, (void)loggingOn;
+    Component blank = {NULL, logMessage, instanceEnvironment, intermediateUpdate, earlyReturnAllowed};
+    if (eventModeUsed) {
+        log_message(&blank, STATUS_ERROR, "eventModeUsed = true: there is no event mode (hasEventMode = false)");
+        return NULL;
+    }
+    Component *component = instantiate(blank, CO_SIMULATION, instantiationToken, resourcePath);
+    if (!component || fmi3_listen(component, requiredIntermediateVariables, nRequiredIntermediateVariables))
+        return component;
+    fmi3FreeInstance(component);
+    return NULL;
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -111,7 +104,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
 void fmi3FreeInstance(fmi3Instance c)
 {
     Component *component = c;
-    if (!component) return;
+    if (!fmi3_legal(c, CALL_fmi3FreeInstance)) return;
     instance_free(component->instance);
     free(component);
 }
@@ -119,23 +112,23 @@ void fmi3FreeInstance(fmi3Instance c)
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
-    (void)stopTimeDefined, (void)stopTime;
-    Instance *instance = fmi3_legal(c, MODE_INSTANTIATED, "fmi3EnterInitializationMode");
+    Instance *instance = fmi3_legal(c, CALL_fmi3EnterInitializationMode);
     if (!instance) return fmi3Error;
-    const Status status = instance_setup(instance, startTime, toleranceDefined, tolerance);
+    const Status status =
+        instance_setup(instance, startTime, toleranceDefined ? &tolerance : NULL, stopTimeDefined ? &stopTime : NULL);
     if (status == STATUS_OK) instance->mode = MODE_INITIALIZATION;
     return fmi3_status(status);
 }
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
 {
-    Instance *instance = fmi3_legal(c, MODE_INITIALIZATION, "fmi3ExitInitializationMode");
+    Instance *instance = fmi3_legal(c, CALL_fmi3ExitInitializationMode);
     return instance ? fmi3_status(instance_exit_initialization(instance)) : fmi3Error;
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance c)
 {
-    Instance *instance = fmi3_legal(c, MODE_CONTINUOUS | MODE_EVENT, "fmi3EnterEventMode");
+    Instance *instance = fmi3_legal(c, CALL_fmi3EnterEventMode);
     if (!instance) return fmi3Error;
     instance->mode = MODE_EVENT;
     return fmi3OK;
@@ -143,7 +136,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance c)
 
 fmi3Status fmi3Terminate(fmi3Instance c)
 {
-    Instance *instance = fmi3_legal(c, MODE_RUNNING, "fmi3Terminate");
+    Instance *instance = fmi3_legal(c, CALL_fmi3Terminate);
     if (!instance) return fmi3Error;
     instance->mode = MODE_TERMINATED;
     return fmi3OK;
@@ -151,14 +144,14 @@ fmi3Status fmi3Terminate(fmi3Instance c)
 
 fmi3Status fmi3Reset(fmi3Instance c)
 {
-    Instance *instance = fmi3_legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3Reset");
+    Instance *instance = fmi3_legal(c, CALL_fmi3Reset);
     return instance ? fmi3_status(instance_reset(instance)) : fmi3Error;
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                           fmi3Float64 values[], size_t nValues)
 {
-    Instance *instance = fmi3_legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetFloat64");
+    Instance *instance = fmi3_legal(c, CALL_fmi3GetFloat64);
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3GetFloat64: a null pointer was given");
@@ -169,7 +162,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
 fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                           const fmi3Float64 values[], size_t nValues)
 {
-    Instance *instance = fmi3_legal(c, MODE_SETUP | MODE_RUNNING | MODE_INTERMEDIATE, "fmi3SetFloat64");
+    Instance *instance = fmi3_legal(c, CALL_fmi3SetFloat64);
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3SetFloat64: a null pointer was given");
@@ -180,7 +173,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
 fmi3Status fmi3GetInt64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                         fmi3Int64 values[], size_t nValues)
 {
-    Instance *instance = fmi3_legal(c, MODE_ANY & ~MODE_INTERMEDIATE, "fmi3GetInt64");
+    Instance *instance = fmi3_legal(c, CALL_fmi3GetInt64);
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3GetInt64: a null pointer was given");
@@ -193,7 +186,7 @@ fmi3Status fmi3GetInt64(fmi3Instance c, const fmi3ValueReference valueReferences
 fmi3Status fmi3SetInt64(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                         const fmi3Int64 values[], size_t nValues)
 {
-    Instance *instance = fmi3_legal(c, MODE_SETUP | MODE_RUNNING, "fmi3SetInt64");
+    Instance *instance = fmi3_legal(c, CALL_fmi3SetInt64);
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3SetInt64: a null pointer was given");
@@ -205,9 +198,9 @@ fmi3Status fmi3SetInt64(fmi3Instance c, const fmi3ValueReference valueReferences
 }
 
 /* Of other types the cable has no variables: an empty list is fine, anything else a mistake. */
-static fmi3Status no_variables(fmi3Instance c, size_t count)
+static fmi3Status no_variables(fmi3Instance c, Call call, size_t count)
 {
-    if (!c) return fmi3Error;
+    if (!fmi3_legal(c, call)) return fmi3Error;
     return count ? fmi3_refuse(c, "the cable has no variables but those of type Float64 and the Enumeration solver")
                  : fmi3OK;
 }
@@ -217,13 +210,13 @@ static fmi3Status no_variables(fmi3Instance c, size_t count)
                              size_t nValues)                                                                           \
     {                                                                                                                  \
         (void)references, (void)values, (void)nValues;                                                                 \
-        return no_variables(c, count);                                                                                 \
+        return no_variables(c, CALL_fmi3Get##Type, count);                                                             \
     }                                                                                                                  \
     fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count,                      \
                              const fmi3##Type values[], size_t nValues)                                                \
     {                                                                                                                  \
         (void)references, (void)values, (void)nValues;                                                                 \
-        return no_variables(c, count);                                                                                 \
+        return no_variables(c, CALL_fmi3Set##Type, count);                                                             \
     }
 
 TYPE_WITHOUT_VARIABLES(Float32)
@@ -241,26 +234,26 @@ fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference references[], 
                          fmi3Binary values[], size_t nValues)
 {
     (void)references, (void)valueSizes, (void)values, (void)nValues;
-    return no_variables(c, count);
+    return no_variables(c, CALL_fmi3GetBinary, count);
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference references[], size_t count, const size_t valueSizes[],
                          const fmi3Binary values[], size_t nValues)
 {
     (void)references, (void)valueSizes, (void)values, (void)nValues;
-    return no_variables(c, count);
+    return no_variables(c, CALL_fmi3SetBinary, count);
 }
 
 fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference references[], size_t count, fmi3Clock values[])
 {
     (void)references, (void)values;
-    return no_variables(c, count);
+    return no_variables(c, CALL_fmi3GetClock, count);
 }
 
 fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference references[], size_t count, const fmi3Clock values[])
 {
     (void)references, (void)values;
-    return no_variables(c, count);
+    return no_variables(c, CALL_fmi3SetClock, count);
 }
 
 /* --- Model Exchange --- */
@@ -270,7 +263,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
                                     fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
                                     fmi3Float64 *nextEventTime)
 {
-    if (!fmi3_legal(c, MODE_EVENT, "fmi3UpdateDiscreteStates")) return fmi3Error;
+    if (!fmi3_legal(c, CALL_fmi3UpdateDiscreteStates)) return fmi3Error;
     /* The cable has no events of its own. */
     fmi3Boolean *const answer[] = {discreteStatesNeedUpdate, terminateSimulation, nominalsOfContinuousStatesChanged,
                                    valuesOfContinuousStatesChanged, nextEventTimeDefined};
@@ -282,12 +275,12 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c)
 {
-    return fmi3_legal(c, MODE_EVENT, "fmi3EvaluateDiscreteStates") ? fmi3OK : fmi3Error;
+    return fmi3_legal(c, CALL_fmi3EvaluateDiscreteStates) ? fmi3OK : fmi3Error;
 }
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
 {
-    Instance *instance = fmi3_legal(c, MODE_EVENT, "fmi3EnterContinuousTimeMode");
+    Instance *instance = fmi3_legal(c, CALL_fmi3EnterContinuousTimeMode);
     if (!instance) return fmi3Error;
     instance->mode = MODE_CONTINUOUS;
     return fmi3OK;
@@ -297,7 +290,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUState
                                        fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
-    if (!fmi3_legal(c, MODE_CONTINUOUS, "fmi3CompletedIntegratorStep")) return fmi3Error;
+    if (!fmi3_legal(c, CALL_fmi3CompletedIntegratorStep)) return fmi3Error;
     if (enterEventMode) *enterEventMode = fmi3False;
     if (terminateSimulation) *terminateSimulation = fmi3False;
     return fmi3OK;
@@ -305,13 +298,13 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUState
 
 fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time)
 {
-    Instance *instance = fmi3_legal(c, MODE_EVENT | MODE_CONTINUOUS, "fmi3SetTime");
+    Instance *instance = fmi3_legal(c, CALL_fmi3SetTime);
     return instance ? fmi3_status(instance_set_time(instance, time)) : fmi3Error;
 }
 
 fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousStates[], size_t nContinuousStates)
 {
-    Instance *instance = fmi3_legal(c, MODE_CONTINUOUS, "fmi3SetContinuousStates");
+    Instance *instance = fmi3_legal(c, CALL_fmi3SetContinuousStates);
     if (!instance) return fmi3Error;
     if (!continuousStates) return fmi3_refuse(c, "fmi3SetContinuousStates: a null pointer was given");
     return fmi3_status(instance_set_states(instance, continuousStates, nContinuousStates));
@@ -319,8 +312,7 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousS
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[], size_t nContinuousStates)
 {
-    Instance *instance = fmi3_legal(c, MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED,
-                                    "fmi3GetContinuousStateDerivatives");
+    Instance *instance = fmi3_legal(c, CALL_fmi3GetContinuousStateDerivatives);
     if (!instance) return fmi3Error;
     if (!derivatives) return fmi3_refuse(c, "fmi3GetContinuousStateDerivatives: a null pointer was given");
     return fmi3_status(instance_get_derivatives(instance, derivatives, nContinuousStates));
@@ -329,13 +321,13 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivat
 fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 eventIndicators[], size_t nEventIndicators)
 {
     (void)eventIndicators;
-    if (!c) return fmi3Error;
+    if (!fmi3_legal(c, CALL_fmi3GetEventIndicators)) return fmi3Error;
     return nEventIndicators ? fmi3_refuse(c, "the cable has no event indicators") : fmi3OK;
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[], size_t nContinuousStates)
 {
-    Instance *instance = fmi3_legal(c, MODE_ANY, "fmi3GetContinuousStates");
+    Instance *instance = fmi3_legal(c, CALL_fmi3GetContinuousStates);
     if (!instance) return fmi3Error;
     if (!continuousStates) return fmi3_refuse(c, "fmi3GetContinuousStates: a null pointer was given");
     return fmi3_status(instance_get_states(instance, continuousStates, nContinuousStates));
@@ -343,7 +335,7 @@ fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t nContinuousStates)
 {
-    Instance *instance = fmi3_legal(c, MODE_ANY, "fmi3GetNominalsOfContinuousStates");
+    Instance *instance = fmi3_legal(c, CALL_fmi3GetNominalsOfContinuousStates);
     if (!instance) return fmi3Error;
     if (!nominals) return fmi3_refuse(c, "fmi3GetNominalsOfContinuousStates: a null pointer was given");
     return fmi3_status(instance_nominals(instance, nominals, nContinuousStates));
@@ -351,15 +343,18 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominal
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *nEventIndicators)
 {
-    if (!c || !nEventIndicators) return fmi3_refuse(c, "fmi3GetNumberOfEventIndicators: a null pointer was given");
+    if (!fmi3_legal(c, CALL_fmi3GetNumberOfEventIndicators)) return fmi3Error;
+    if (!nEventIndicators) return fmi3_refuse(c, "fmi3GetNumberOfEventIndicators: a null pointer was given");
     *nEventIndicators = 0;
     return fmi3OK;
 }
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *nContinuousStates)
 {
-    if (!c || !nContinuousStates) return fmi3_refuse(c, "fmi3GetNumberOfContinuousStates: a null pointer was given");
-    *nContinuousStates = (size_t)model_states(&((const Component *)c)->instance->model);
+    const Instance *instance = fmi3_legal(c, CALL_fmi3GetNumberOfContinuousStates);
+    if (!instance) return fmi3Error;
+    if (!nContinuousStates) return fmi3_refuse(c, "fmi3GetNumberOfContinuousStates: a null pointer was given");
+    *nContinuousStates = (size_t)model_states(&instance->model);
     return fmi3OK;
 }
 
@@ -367,8 +362,8 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *nContinuousSt
 
 fmi3Status fmi3EnterStepMode(fmi3Instance c)
 {
-    /* hasEventMode = false: the instance is in step mode from the end of initialization. */
-    return fmi3_legal(c, MODE_STEP, "fmi3EnterStepMode") ? fmi3OK : fmi3Error;
+    fmi3_legal(c, CALL_fmi3EnterStepMode); /* it never is: there is no event mode to leave */
+    return fmi3Error;
 }
 
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
@@ -376,12 +371,13 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
-    Instance *instance = fmi3_legal(c, MODE_STEP, "fmi3DoStep");
+    Instance *instance = fmi3_legal(c, CALL_fmi3DoStep);
     if (!instance) return fmi3Error;
     const Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
+    const bool early = status == STATUS_OK && instance->time < currentCommunicationPoint + communicationStepSize;
     if (eventHandlingNeeded) *eventHandlingNeeded = fmi3False;
     if (terminateSimulation) *terminateSimulation = fmi3False;
-    if (earlyReturn) *earlyReturn = fmi3False;
+    if (earlyReturn) *earlyReturn = early;
     if (lastSuccessfulTime) *lastSuccessfulTime = instance->time;
     return fmi3_status(status);
 }

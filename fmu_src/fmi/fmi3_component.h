@@ -3,13 +3,14 @@
 #define CABLE_FMI3_COMPONENT_H
 
 #include "fmi3Functions.h"
-#include "instance.h"
+#include "legal.h"
 
 typedef struct {
     Instance *instance;
     fmi3LogMessageCallback log_message; /* may be NULL */
-    fmi3IntermediateUpdateCallback intermediate_update;
     fmi3InstanceEnvironment environment;
+    fmi3IntermediateUpdateCallback intermediate_update; /* Co-Simulation; may be NULL */
+    bool may_return_early;                              /* likewise: fmi3DoStep, if the host asks for it */
 } Component;
 
 fmi3Status fmi3_status(Status status);
@@ -18,6 +19,9 @@ fmi3Status fmi3_status(Status status);
 fmi3Status fmi3_refuse(fmi3Instance c, const char *message);
 
 /* The instance if it exists and the call is legal now, else NULL after a message. */
-Instance *fmi3_legal(fmi3Instance c, unsigned modes, const char *call);
+Instance *fmi3_legal(fmi3Instance c, Call call);
+
+/* Call-backs inside a step for these variables, if the host has one; false after a message. */
+bool fmi3_listen(Component *component, const fmi3ValueReference references[], size_t count);
 
 #endif

@@ -2,8 +2,6 @@
 #include "derivatives.h"
 #include "fmi3_component.h"
 
-static const unsigned LEGAL = MODE_INITIALIZATION | MODE_RUNNING | MODE_TERMINATED | MODE_FAILED;
-
 /* As many values as references, and pointers to them. */
 static bool complete(const fmi3ValueReference references[], size_t count, const fmi3Float64 values[], size_t n)
 {
@@ -14,7 +12,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    Instance *instance = fmi3_legal(c, LEGAL, "fmi3GetDirectionalDerivative");
+    Instance *instance = fmi3_legal(c, CALL_fmi3GetDirectionalDerivative);
     if (!instance) return fmi3Error;
     if (!complete(unknowns, nUnknowns, sensitivity, nSensitivity) || !complete(knowns, nKnowns, seed, nSeed))
         return fmi3_refuse(c,
@@ -28,7 +26,7 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unk
                                     const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                     size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    Instance *instance = fmi3_legal(c, LEGAL, "fmi3GetAdjointDerivative");
+    Instance *instance = fmi3_legal(c, CALL_fmi3GetAdjointDerivative);
     if (!instance) return fmi3Error;
     if (!complete(unknowns, nUnknowns, seed, nSeed) || !complete(knowns, nKnowns, sensitivity, nSensitivity))
         return fmi3_refuse(c,
@@ -41,7 +39,7 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unk
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                                     const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
 {
-    Instance *instance = fmi3_legal(c, MODE_STEP | MODE_TERMINATED | MODE_FAILED, "fmi3GetOutputDerivatives");
+    Instance *instance = fmi3_legal(c, CALL_fmi3GetOutputDerivatives);
     if (!instance) return fmi3Error;
     if (!complete(valueReferences, nValueReferences, values, nValues) || (nValues && !orders))
         return fmi3_refuse(c,

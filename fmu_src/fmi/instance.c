@@ -12,29 +12,37 @@ Status instance_fail(Instance *instance, const Text *message)
     return STATUS_ERROR;
 }
 
-bool instance_allows(Instance *instance, unsigned modes, const char *call)
+static const char *const CATEGORY[] = {
+    [STATUS_WARNING] = "logStatusWarning", [STATUS_ERROR] = "logStatusError", [STATUS_DISCARD] = "logStatusDiscard"};
+
+const char *log_category(Status status)
 {
-    static const struct {
-        Mode mode;
-        const char *name;
-    } NAMES[] = {{MODE_INSTANTIATED, "before initialization"},
-                 {MODE_INITIALIZATION, "in initialization mode"},
-                 {MODE_EVENT, "in event mode"},
-                 {MODE_CONTINUOUS, "in continuous-time mode"},
-                 {MODE_STEP, "between communication steps"},
-                 {MODE_INTERMEDIATE, "inside a communication step"},
-                 {MODE_TERMINATED, "after termination"},
-                 {MODE_FAILED, "after an error"}};
-    if (instance->mode & modes) return true;
+    return CATEGORY[status];
+}
+
+static bool is_category(const char *name)
+{
+    for (int status = STATUS_WARNING; status <= STATUS_DISCARD; status++)
+        if (strcmp(name, CATEGORY[status]) == 0) return true;
+    return false;
+}
+
+Status instance_check_categories(Instance *instance, const char *const *categories, size_t count)
+{
     Text text;
     text_start(&text);
-    text_add(&text, call);
-    text_add(&text, " is not allowed ");
-    for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++)
-        if (NAMES[k].mode == instance->mode) text_add(&text, NAMES[k].name);
-    text_add(&text, instance->interface == CO_SIMULATION ? " (Co-Simulation)" : " (Model Exchange)");
-    instance_fail(instance, &text);
-    return false;
+    for (size_t k = 0; k < count; k++) {
+        if (!categories || !categories[k]) {
+            text_add(&text, "the name of a log category is a null pointer");
+            return instance_fail(instance, &text);
+        }
+        if (is_category(categories[k])) continue;
+        text_add(&text, "there is no log category ");
+        text_add(&text, categories[k]);
+        instance->host.log(instance->host.owner, STATUS_WARNING, text.line);
+        return STATUS_WARNING;
+    }
+    return STATUS_OK;
 }
 
 static bool offers_energy_residual(const Resource *resource)
@@ -70,6 +78,7 @@ static void start_over(Instance *instance)
     memset(instance->statics, 0, sizeof instance->statics);
     start_solver(instance, (SolverChoice)resource->solver, DEFAULT_TOLERANCE);
     instance->time = instance->step_start = 0.0;
+    instance->stop_time = INFINITY;
     instance->mode = MODE_INSTANTIATED;
     instance->start_is_current = instance->linear_is_lent = false;
     invalidate_model(instance);
@@ -165,24 +174,27 @@ Status instance_reset(Instance *instance)
     return STATUS_OK;
 }
 
-Status instance_setup(Instance *instance, double start_time, bool has_tolerance, double tolerance)
+static Status refuse_setup(Instance *instance, const char *what, double value, const char *expected)
 {
     Text text;
     text_start(&text);
-    if (!isfinite(start_time)) {
-        text_add(&text, "start time ");
-        text_number(&text, start_time);
-        text_add(&text, ": a finite number of seconds is expected");
-        return instance_fail(instance, &text);
-    }
-    if (has_tolerance && !(tolerance > 0.0 && isfinite(tolerance))) {
-        text_add(&text, "tolerance ");
-        text_number(&text, tolerance);
-        text_add(&text, ": a number above 0 is expected");
-        return instance_fail(instance, &text);
-    }
+    text_add(&text, what);
+    text_number(&text, value);
+    text_add(&text, expected);
+    return instance_fail(instance, &text);
+}
+
+Status instance_setup(Instance *instance, double start_time, const double *tolerance, const double *stop_time)
+{
+    if (!isfinite(start_time))
+        return refuse_setup(instance, "start time ", start_time, ": a finite number of seconds is expected");
+    if (tolerance && !(*tolerance > 0.0 && isfinite(*tolerance)))
+        return refuse_setup(instance, "tolerance ", *tolerance, ": a number above 0 is expected");
+    if (stop_time && !(*stop_time >= start_time))
+        return refuse_setup(instance, "stop time ", *stop_time, ": a time not before the start time is expected");
     instance->time = instance->step_start = start_time;
-    if (has_tolerance) instance->solver.tolerance = fmin(fmax(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE);
+    instance->stop_time = stop_time ? *stop_time : INFINITY;
+    if (tolerance) instance->solver.tolerance = fmin(fmax(*tolerance, LEAST_TOLERANCE), MOST_TOLERANCE);
     return STATUS_OK;
 }
 

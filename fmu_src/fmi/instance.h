@@ -17,22 +17,22 @@
 /* Time derivatives of an input that a host may give for a communication step (FMI 2), orders 1 ... */
 enum { INPUT_ORDERS = 8 };
 
-typedef enum { STATUS_OK, STATUS_WARNING, STATUS_ERROR } Status;
+typedef enum { STATUS_OK, STATUS_WARNING, STATUS_ERROR, STATUS_DISCARD } Status;
 typedef enum { MODEL_EXCHANGE, CO_SIMULATION } Interface;
 
-/* States of the FMI state machines, as bits for the masks of legal calls. */
+/* States of the FMI state machines, as bits for the masks of legal calls [legal.def]. */
 typedef enum {
     MODE_INSTANTIATED = 1,
     MODE_INITIALIZATION = 2,
-    MODE_EVENT = 4,         /* Model Exchange */
-    MODE_CONTINUOUS = 8,    /* Model Exchange */
-    MODE_STEP = 16,         /* Co-Simulation, between communication steps */
-    MODE_INTERMEDIATE = 32, /* Co-Simulation, inside a step, during a call-back to the host */
+    MODE_EVENT = 4,      /* Model Exchange */
+    MODE_CONTINUOUS = 8, /* Model Exchange */
+    MODE_STEP = 16,      /* Co-Simulation, between communication steps */
+    MODE_ASKED = 32,     /* Co-Simulation, inside a step: the host is asked for inputs */
     MODE_TERMINATED = 64,
-    MODE_FAILED = 128, /* after an error that ended a step: read, reset or free */
-    MODE_RUNNING = MODE_EVENT | MODE_CONTINUOUS | MODE_STEP,
-    MODE_SETUP = MODE_INSTANTIATED | MODE_INITIALIZATION,
-    MODE_ANY = 255
+    MODE_FAILED = 128,        /* after an error that ended a step: read, reset or free */
+    MODE_CONFIGURATION = 256, /* the number of links may be set */
+    MODE_ACCEPTED = 512,      /* Co-Simulation, inside a step: the host may read at the end of an internal one */
+    MODE_SETUP = MODE_INSTANTIATED | MODE_INITIALIZATION
 } Mode;
 
 typedef struct Instance Instance;
@@ -43,6 +43,8 @@ typedef struct {
     void (*log)(void *owner, Status status, const char *message);
     /* FMI 3: ask the host for the inputs at `time` inside a step; false to give up. NULL: not used. */
     bool (*intermediate)(void *owner, double time);
+    /* FMI 3: an internal step was accepted at `time` and can be read; `end` of this step may be lowered. As before. */
+    bool (*accepted)(void *owner, double time, double *end);
 } Host;
 
 struct Instance {
@@ -55,7 +57,7 @@ struct Instance {
     Model model;
     Work work;
     Linear linear;
-    double time, step_start;
+    double time, step_start, stop_time;
     double *x, *derivative, *solver_block;
     double *guess, *statics_block; /* the start states as set, for an equilibrium near them; NULL: they are the start */
     double u[INPUT_COUNT], u_derivative[INPUT_ORDERS][INPUT_COUNT], output[OUTPUT_COUNT];
@@ -73,12 +75,14 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
 void instance_free(Instance *instance);
 Status instance_reset(Instance *instance);
 
-/* Whether `call` is legal now; says so if it is not. */
-bool instance_allows(Instance *instance, unsigned modes, const char *call);
 Status instance_fail(Instance *instance, const Text *message);
 
-/* Experiment: start time [s] and, if positive, tolerance. */
-Status instance_setup(Instance *instance, double start_time, bool has_tolerance, double tolerance);
+/* What the description calls messages of a status, and whether these are such names (a warning if one is not). */
+const char *log_category(Status status);
+Status instance_check_categories(Instance *instance, const char *const *categories, size_t count);
+
+/* Experiment: start time [s] and, if they are defined, tolerance and stop time [s]. */
+Status instance_setup(Instance *instance, double start_time, const double *tolerance, const double *stop_time);
 Status instance_exit_initialization(Instance *instance);
 
 /* Values by reference; nothing is changed by a call that fails. */
@@ -91,6 +95,9 @@ void instance_set_choice(Instance *instance, int64_t value); /* after instance_c
 
 Status instance_set_input_derivative(Instance *instance, uint32_t reference, int order, double value);
 void forget_input_derivatives(Instance *instance);
+
+/* Whether these can be set or read inside a step; is any of them an input? */
+Status instance_check_intermediate(Instance *instance, const uint32_t *references, size_t count, bool *any_input);
 
 /* Model Exchange. */
 Status instance_set_time(Instance *instance, double time);

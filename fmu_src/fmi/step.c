@@ -9,7 +9,7 @@ static bool inputs_at(void *source, double time, double *u)
     Instance *instance = source;
     if (instance->host.intermediate) {
         const Mode mode = instance->mode;
-        instance->mode = MODE_INTERMEDIATE;
+        instance->mode = MODE_ASKED;
         const bool given = instance->host.intermediate(instance->host.owner, time) && instance->mode != MODE_FAILED;
         instance->mode = mode;
         memcpy(u, instance->u, sizeof instance->u);
@@ -42,6 +42,7 @@ static const char *reason(SolverStatus status)
                "tight";
     case SOLVER_ANGLE_TOO_LARGE: return "a link has wound up beyond 1.6e6 rad";
     case SOLVER_INPUT_FAILED: return "an input is not a finite number, or the host gave none";
+    case SOLVER_STOPPED: return "the host gave no time to return at";
     default: return "";
     }
 }
@@ -58,6 +59,12 @@ static Status give_up(Instance *instance, SolverStatus status)
     return instance_fail(instance, &text);
 }
 
+/* Hosts that add up their steps drift by rounding; anything more is a mistake. */
+static double drift(const Instance *instance, double step)
+{
+    return 1e-9 * fmax(fmax(fabs(instance->time), step), 1e-3);
+}
+
 static Status check_step(Instance *instance, double communication_point, double step)
 {
     Text text;
@@ -70,12 +77,20 @@ static Status check_step(Instance *instance, double communication_point, double 
         text_add(&text, " s; a number above 0 is expected");
         return instance_fail(instance, &text);
     }
-    /* Hosts that add up their steps drift by rounding; anything more is a mistake. */
-    const double drift = fabs(communication_point - instance->time);
-    if (!(drift <= 1e-9 * fmax(fmax(fabs(instance->time), step), 1e-3))) {
+    const double off = fabs(communication_point - instance->time),
+                 past = communication_point + step - instance->stop_time;
+    if (!(off <= drift(instance, step))) {
         text_add(&text, ": communication point ");
         text_number(&text, communication_point);
         text_add(&text, " s is not where the last step ended");
+        return instance_fail(instance, &text);
+    }
+    if (past > drift(instance, step)) {
+        text_add(&text, ": communication step ");
+        text_number(&text, step);
+        text_add(&text, " s leads past the stop time, ");
+        text_number(&text, instance->stop_time);
+        text_add(&text, " s");
         return instance_fail(instance, &text);
     }
     return STATUS_OK;
@@ -93,13 +108,33 @@ static void take_linear_back(Instance *instance)
     instance->linear_is_lent = false;
 }
 
+/* At the end of an internal step, where the solver has evaluated the inputs. */
+static bool at_accepted(void *source, double time, double *end)
+{
+    Instance *instance = source;
+    memcpy(instance->u, instance->solver.slope_u, sizeof instance->u);
+    invalidate_state(instance);
+    const Mode mode = instance->mode;
+    instance->mode = MODE_ACCEPTED;
+    const bool goes_on = instance->host.accepted(instance->host.owner, time, end) && instance->mode != MODE_FAILED;
+    instance->mode = mode;
+    take_linear_back(instance);
+    return goes_on;
+}
+
 Status instance_step(Instance *instance, double communication_point, double step)
 {
     if (check_step(instance, communication_point, step) != STATUS_OK) return STATUS_ERROR;
     refresh_model(instance);
     take_linear_back(instance);
     const bool inputs_rest = !instance->host.intermediate && instance->u_orders == 0;
-    const System system = {&instance->model, &instance->work, &instance->linear, inputs_at, instance, inputs_rest};
+    const System system = {&instance->model,
+                           &instance->work,
+                           &instance->linear,
+                           inputs_at,
+                           instance,
+                           inputs_rest,
+                           instance->host.accepted ? at_accepted : NULL};
     const double end = communication_point + step;
     instance->step_start = instance->time;
     const SolverStatus status =
@@ -107,7 +142,7 @@ Status instance_step(Instance *instance, double communication_point, double step
     invalidate_state(instance);
     if (status != SOLVER_OK) return give_up(instance, status);
     /* Outputs at the end see the inputs of the end; what the host said of their slopes is used up. */
-    if (!inputs_at(instance, end, instance->u)) return give_up(instance, SOLVER_INPUT_FAILED);
+    if (!inputs_at(instance, instance->time, instance->u)) return give_up(instance, SOLVER_INPUT_FAILED);
     forget_input_derivatives(instance);
     return STATUS_OK;
 }

@@ -208,6 +208,15 @@ static void go_inside(const System *system, SolverMemory *memory, const Vectors 
     memory->has_moved = true;
 }
 
+/* Who wants to know of an accepted step finds the inputs evaluated there, as the next step would find them. */
+static SolverStatus tell(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double *t_end,
+                         const double *x)
+{
+    if (!system->accepted) return SOLVER_OK;
+    if (!ensure_point(system, memory, vectors, t, x)) return SOLVER_INPUT_FAILED;
+    return system->accepted(system->source, t, t_end) ? SOLVER_OK : SOLVER_STOPPED;
+}
+
 /*
  * Where the next step ends: as far as it wishes, not beyond t_end unless it may. The last two steps share what remains, so
  * that no sliver is left over, and a step is stretched by as little as the error forgives if that saves one.
@@ -226,10 +235,14 @@ SolverStatus solver_advance(const System *system, SolverMemory *memory, double *
     const Vectors vectors = vectors_in(block, model_states(system->model));
     const double least = RESOLUTION * fmax(fabs(*t), fabs(t_end));
     bool rejected_before = false;
+    SolverStatus told = SOLVER_OK;
     if (!start(system, memory, &vectors, *t, t_end, least, x)) return SOLVER_INPUT_FAILED;
-    if (memory->is_inside) go_inside(system, memory, &vectors, t, t_end, x);
+    if (memory->is_inside) {
+        go_inside(system, memory, &vectors, t, t_end, x);
+        told = tell(system, memory, &vectors, *t, &t_end, x);
+    }
 
-    for (int tries = 0; *t < t_end; tries++) {
+    for (int tries = 0; *t < t_end && told == SOLVER_OK; tries++) {
         if (tries == SOLVER_MOST_STEPS) return SOLVER_TOO_MANY_STEPS;
         if (!ensure_point(system, memory, &vectors, *t, x)) return SOLVER_INPUT_FAILED;
         const double t_new = next_time(system, memory, *t, t_end), h = t_new - *t;
@@ -250,7 +263,9 @@ SolverStatus solver_advance(const System *system, SolverMemory *memory, double *
         }
         rejected_before = !accepted;
         if (memory->choice == SOLVER_AUTOMATIC) choose_method(system, memory, &vectors, h, accepted, error, x);
+        if (accepted) told = tell(system, memory, &vectors, *t, &t_end, x);
     }
+    if (told != SOLVER_OK) return told;
     memory->counter[SOLVER_stiff] = memory->is_implicit;
     /* The inputs may jump behind t_end: what belongs to this side of it is evaluated now, and kept if they do not. */
     return ensure_point(system, memory, &vectors, *t, x) ? SOLVER_OK : SOLVER_INPUT_FAILED;

@@ -15,14 +15,17 @@ typedef enum {
     SOLVER_TOO_MANY_STEPS,  /* more than SOLVER_MOST_STEPS attempts in one call */
     SOLVER_STEP_TOO_SMALL,  /* the error asks for steps below the resolution of time */
     SOLVER_ANGLE_TOO_LARGE, /* a link has wound up beyond SINCOS_RANGE */
-    SOLVER_INPUT_FAILED     /* the source of inputs gave up or gave no finite number */
+    SOLVER_INPUT_FAILED,    /* the source of inputs gave up or gave no finite number */
+    SOLVER_STOPPED          /* who was told of an accepted step gave up */
 } SolverStatus;
 
 /* Numbers as in the resource file. */
 typedef enum { SOLVER_AUTOMATIC, SOLVER_EXPLICIT, SOLVER_IMPLICIT, SOLVER_CHOICES } SolverChoice;
 
 /* Bounded work instead of a hang: attempts per call. The hardest shipped scene takes a few hundred. */
+#ifndef SOLVER_MOST_STEPS
 #define SOLVER_MOST_STEPS 1000000
+#endif
 
 /* What is integrated. The inputs at time t go to u[INPUT_COUNT]; true on success. */
 typedef struct {
@@ -32,6 +35,8 @@ typedef struct {
     bool (*inputs)(void *source, double time, double *u);
     void *source;
     bool inputs_rest; /* they are the same at all times of this call, and known to be so beyond its end */
+    /* Told of every accepted step, with t and x there; may lower t_end to no less than `time`; true to go on. Or NULL. */
+    bool (*accepted)(void *source, double time, double *t_end);
 } System;
 
 /* What the automatic choice remembers [choice.c]. */

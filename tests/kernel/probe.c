@@ -296,7 +296,7 @@ double probe_implicit_steps(Probe *probe, double t, double h, int steps, int sti
                             const double *waves, double *between)
 {
     Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
-    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, false};
+    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, false, NULL};
     SolverMemory *memory = &probe->memory;
     const size_t count = 2u * ((size_t)probe->model.n + 1u);
     double *next = probe->stages, error = NAN;
@@ -329,7 +329,7 @@ int probe_advance(Probe *probe, double *t, double t_end, double *x, const double
     Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
     bool rest = true;
     for (int k = 0; k < INPUT_COUNT; k++) rest &= waves[INPUT_COUNT + k] == 0.0;
-    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, rest};
+    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, rest, NULL};
     const SolverStatus status = solver_advance(&system, &probe->memory, probe->stages, t, t_end, x);
     double output[OUTPUT_COUNT];
     cable_outputs(&probe->model, x, NULL, &probe->work, output, false);

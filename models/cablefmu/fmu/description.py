@@ -16,6 +16,7 @@ __all__ = ["Experiment", "describe", "model_identifier"]
 LOG_CATEGORIES = {
     "logStatusError": "What went wrong, where and when",
     "logStatusWarning": "What was accepted but may not be meant",
+    "logStatusDiscard": "What was asked and cannot be told",
 }
 
 
@@ -240,8 +241,8 @@ def _fmi3(
     stepping = {
         "canHandleVariableCommunicationStepSize": "true",
         "providesIntermediateUpdate": "true",
-        "mightReturnEarlyFromDoStep": "false",
-        "canReturnEarlyAfterIntermediateUpdate": "false",
+        "mightReturnEarlyFromDoStep": "true",
+        "canReturnEarlyAfterIntermediateUpdate": "true",
         "hasEventMode": "false",
         "maxOutputDerivativeOrder": "1",
     }
@@ -253,7 +254,7 @@ def _fmi3(
     listing = ET.SubElement(root, "ModelVariables")
     for variable in variables:
         attributes = _identity(variable)
-        if variable.kind is Kind.INPUT:
+        if variable.kind in (Kind.INPUT, Kind.OUTPUT):
             attributes["intermediateUpdate"] = "true"
         if variable.derivative_of is not None:
             attributes["derivative"] = str(variable.derivative_of)
