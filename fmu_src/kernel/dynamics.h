@@ -7,6 +7,8 @@
 #ifndef CABLE_DYNAMICS_H
 #define CABLE_DYNAMICS_H
 
+#include <math.h>
+
 #include "model.h"
 #include "variant.h"
 
@@ -55,6 +57,12 @@ void pin_project(const Model *model, Work *work, const double pin[2], double *x)
 typedef struct {
     double x, y;
 } Pair;
+
+/* Without hypot(), whose last digit is not the same everywhere; squares of forces and lengths are far from overflow. */
+static inline double size_of_pair(double x, double y)
+{
+    return sqrt(x * x + y * y);
+}
 
 /* tension.c: R_{i+1} from R_i, after cable_derivatives(); turn is th'' of link i. */
 static inline Pair force_below(const Model *model, const Work *work, int i, double turn, Pair force)

@@ -45,7 +45,7 @@ void pin_project(const Model *model, Work *work, const double pin[2], double *x)
         model->variant->orientation(model, x, work);
         terminal_motion(model, x, work, position, velocity);
         const double off[2] = {pin[0] - position[0], pin[1] - position[1]};
-        if (!(hypot(off[0], off[1]) > 1e-14 * size)) break;
+        if (!(size_of_pair(off[0], off[1]) > 1e-14 * size)) break;
         shift(model, work, compliance(model, work), off, x);
     }
     model->variant->orientation(model, x, work);

@@ -129,7 +129,7 @@ static void stretch(Search *search, double part)
     for (int i = 0; i < search->model->n; i++) {
         const double rx = search->force_x[i] + search->force_x[i + 1], ry = search->force_y[i] + search->force_y[i + 1];
         const double pull = rx * linear->sine[i] + ry * linear->cosine[i];
-        linear->pull[i] = pull - part * (hypot(rx, ry) + pull);
+        linear->pull[i] = pull - part * (size_of_pair(rx, ry) + pull);
     }
 }
 
@@ -147,7 +147,7 @@ static double off_the_pin(const Search *search)
     double *position = search->work->end_position;
     model->variant->orientation(model, search->x, search->work);
     terminal_motion(model, search->x, search->work, position, search->work->end_velocity);
-    return hypot(search->pin[0] - position[0], search->pin[1] - position[1]);
+    return size_of_pair(search->pin[0] - position[0], search->pin[1] - position[1]);
 }
 
 /* Where the end is to be: of an anchor of mass, where it is. */
