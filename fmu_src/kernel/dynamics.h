@@ -58,10 +58,11 @@ typedef struct {
     double x, y;
 } Pair;
 
-/* Without hypot(), whose last digit is not the same everywhere; squares of forces and lengths are far from overflow. */
+/* As hypot() of libm, whose last digit is not the same everywhere. */
 static inline double size_of_pair(double x, double y)
 {
-    return sqrt(x * x + y * y);
+    const double larger = fmax(fabs(x), fabs(y)), ratio = larger > 0.0 ? fmin(fabs(x), fabs(y)) / larger : 0.0;
+    return larger * sqrt(1.0 + ratio * ratio);
 }
 
 /* tension.c: R_{i+1} from R_i, after cable_derivatives(); turn is th'' of link i. */
