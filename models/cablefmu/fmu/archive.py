@@ -16,7 +16,9 @@ from ..errors import FmuError, OptionError, SceneError
 from ..files import replacing
 from ..scene import Scene, load_scene
 from .description import Experiment, describe, model_identifier
+from .documentation import DOCUMENTATION, documentation
 from .resource import RESOURCE_NAME, resource_bytes, token_of
+from .terminals import icon_png, terminals_and_icons
 from .variables import variables_of
 
 __all__ = ["Archive", "build_fmu", "default_path", "open_fmu", "write_zip"]
@@ -82,8 +84,12 @@ def _members(scene: Scene, fmi: int) -> dict[str, bytes]:
         ),
         f"resources/{RESOURCE_NAME}": resource,
         f"resources/{scene.name}.toml": scene.text.encode(),
+        DOCUMENTATION: documentation(scene, variables, fmi=fmi, file=default_path(scene, fmi).name),
         "documentation/licenses/license.txt": (package / "LICENSE").read_bytes(),
+        **terminals_and_icons(scene.cable, variables),
     }  # fmt: skip
+    if fmi == 2:
+        members["model.png"] = icon_png()
     for name, content in scene.files.items():
         members[f"resources/{name}"] = content
     for folder, binary in BINARIES[fmi].items():
