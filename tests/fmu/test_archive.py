@@ -99,10 +99,17 @@ def test_members(fmi: int, tmp_path: Path) -> None:
     with zipfile.ZipFile(path) as archive:
         assert archive.namelist() == [
             f"binaries/{platform}/load_volume.so",
+            "documentation/index.html",
             "documentation/licenses/license.txt",
+            *(["model.png"] if fmi == 2 else []),
             "modelDescription.xml",
             "resources/cable.bin",
             "resources/load-volume.toml",
+            "terminalsAndIcons/icon.png",
+            "terminalsAndIcons/icon.svg",
+            "terminalsAndIcons/port.png",
+            "terminalsAndIcons/port.svg",
+            "terminalsAndIcons/terminalsAndIcons.xml",
         ]
         assert archive.read("resources/load-volume.toml").decode() == SCENES["load-volume"]
         assert b"BSD" in archive.read("documentation/licenses/license.txt")
