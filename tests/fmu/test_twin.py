@@ -222,7 +222,10 @@ def test_members(tmp_path: Path) -> None:
         names = archive.namelist()
         assert archive.read("resources/load-volume.toml").decode() == SCENES["load-volume"]
         assert archive.read("resources/slavemodule.txt") == b"twin_load_volume"
+        page = archive.read("documentation/index.html").decode()
     assert {"binaries/linux64/load_volume.so", "documentation/licenses/license.txt"} < set(names)
+    assert "FMI 2.0, Co-Simulation." in page and "Twin for checking" in page
+    assert "solver.steps" not in page and "Model Exchange" not in page
     assert not any("__pycache__" in name for name in names)
 
 

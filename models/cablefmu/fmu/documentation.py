@@ -29,7 +29,7 @@ DOCUMENTATION = "documentation/index.html"
 """Its name in the archive, as FMI wants it."""
 
 
-def documentation(scene: Scene, variables: Sequence[Variable], *, fmi: int, file: str) -> bytes:
+def documentation(scene: Scene, variables: Sequence[Variable], *, fmi: int, file: str, twin: str = "") -> bytes:
     """The page.
 
     Parameters
@@ -42,22 +42,25 @@ def documentation(scene: Scene, variables: Sequence[Variable], *, fmi: int, file
         Version of FMI.
     file
         What the archive is called where a host reads it.
+    twin
+        What is to be said of an FMU that is computed otherwise: of Co-Simulation only, and without the kernel's solver.
     """
     if fmi == 2:
         variables = [variable for variable in variables if variable.kind is not Kind.TIME]
     sections: dict[str, Iterable[str]] = {
         "The scene": [f"<figure>{sketch(scene.cable)}{_caption(scene.cable)}</figure>", *_facts(scene)],
-        "How to run it": _driving(scene, variables, fmi, file),
+        "How to run it": _driving(scene, variables, file, "" if twin else _given(fmi)),
         "Variables": _variables(variables),
         "Equations": _equations(scene.cable, variables),
-        "Solver": _solver(scene),
-        "Limits": _limits(scene),
+        "Solver": [f"<p>{escape(twin)}</p>"] if twin else _solver(scene),
+        "Limits": _limits([*_model_limits(scene.cable), *([] if twin else _solver_limits())]),
         "Licence": [
             f'<p>The FMU was made by cablefmu {escape(__version__)}, BSD-3-Clause: <a href="licenses/license.txt">its'
             " licence</a>.</p>"
         ],
     }
-    return _page(scene, fmi, sections).encode()
+    offered = "Co-Simulation" if twin else "Model Exchange and Co-Simulation"
+    return _page(scene, f"FMI {fmi}.0, {offered}", sections).encode()
 
 
 @cache
@@ -65,14 +68,13 @@ def _style() -> str:
     return (files("cablefmu") / "fmu" / "assets" / "documentation.css").read_text(encoding="utf-8")
 
 
-def _page(scene: Scene, fmi: int, sections: Mapping[str, Iterable[str]]) -> str:
+def _page(scene: Scene, kind: str, sections: Mapping[str, Iterable[str]]) -> str:
     links = "\n".join(f'<li><a href="#{_anchor(title)}">{title}</a></li>' for title in sections)
     content = "\n".join(
         "\n".join([f'<section id="{_anchor(title)}">', f"<h2>{title}</h2>", *parts, "</section>"])
         for title, parts in sections.items()
     )
-    kind = f"FMI {fmi}.0, Model Exchange and Co-Simulation. SI units; <b>x to the right, y down</b>, angles from the"
-    kind += " downward vertical, positive towards +x."
+    frame = "<b>x to the right, y down</b>, angles from the downward vertical, positive towards +x"
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -87,7 +89,7 @@ def _page(scene: Scene, fmi: int, sections: Mapping[str, Iterable[str]]) -> str:
 <header>
 <h1>{escape(scene.name)}</h1>
 <p class="lead">{_sentence(scene.description)}</p>
-<p class="kind">{kind}</p>
+<p class="kind">{kind}. SI units; {frame}.</p>
 <nav><ul>
 {links}
 </ul></nav>
@@ -181,14 +183,11 @@ def _spread(values: np.ndarray, unit: str) -> str:
 # --- how to run it ---
 
 
-def _driving(scene: Scene, variables: Sequence[Variable], fmi: int, file: str) -> Iterator[str]:
+def _driving(scene: Scene, variables: Sequence[Variable], file: str, given: str) -> Iterator[str]:
     yield "<p>In Python, with FMPy (<code>pip install fmpy</code>):</p>"
     yield f'<pre><code class="language-python">{escape(_snippet(scene, variables, file))}</code></pre>'
-    given = (
-        "its time derivatives (<code>fmi2SetRealInputDerivatives</code>)" if fmi == 2
-        else "it in the middle of the step as well (intermediate update)"
-    )  # fmt: skip
-    yield f"<p>In Co-Simulation an input is held over a communication step unless the host gives {given}.</p>"
+    if given:
+        yield f"<p>In Co-Simulation an input is held over a communication step unless the host gives {given}.</p>"
     driven = [name for name in scene.cable.inputs if scene.signals[name] != Constant(0.0)]
     if driven:
         yield (
@@ -199,6 +198,13 @@ def _driving(scene: Scene, variables: Sequence[Variable], fmi: int, file: str) -
         yield f"<ul>\n{items}\n</ul>"
     named = f"resources/{scene.name}.toml"
     yield f'<p>The scene itself is in the archive: <a href="../{escape(named)}">{escape(named)}</a>.</p>'
+
+
+def _given(fmi: int) -> str:
+    """How a host says what an input does inside a communication step."""
+    if fmi == 2:
+        return "its time derivatives (<code>fmi2SetRealInputDerivatives</code>)"
+    return "it in the middle of the step as well (intermediate update)"
 
 
 def _snippet(scene: Scene, variables: Sequence[Variable], file: str) -> str:
@@ -243,7 +249,7 @@ def _signal_words(signal: Signal) -> str:
 # --- variables ---
 
 _HEALTH = "How the solver does"
-_INTEGRATED = "What Model Exchange integrates, with states among the outputs."
+_INTEGRATED = "The states that are no outputs, and the time derivatives of all states."
 _GROUPS = (
     ("Inputs", "input", "The values are those of the scene at its start."),
     ("Outputs", "output", ""),
@@ -319,12 +325,12 @@ def _solver(scene: Scene) -> Iterator[str]:
         )
 
 
-def _limits(scene: Scene) -> Iterator[str]:
-    items = "\n".join(f"<li>{_rich(text)}</li>" for text in _limit_words(scene.cable))
+def _limits(limits: Iterable[str]) -> Iterator[str]:
+    items = "\n".join(f"<li>{_rich(text)}</li>" for text in limits)
     yield f"<ul>\n{items}\n</ul>"
 
 
-def _limit_words(cable: Cable) -> Iterator[str]:
+def _model_limits(cable: Cable) -> Iterator[str]:
     yield "Motion is in one vertical plane. Links are rigid: the cable neither stretches nor twists."
     if cable.in_water:
         yield "The water is at rest, and resists motion across the links only. It is not carried along: no added mass."
@@ -338,9 +344,11 @@ def _limit_words(cable: Cable) -> Iterator[str]:
     if cable.terminal is Terminal.LOAD and cable.in_water:
         yield "The load is a point, and the water does not resist its motion."
     yield f"The number of links is fixed: {cable.n} here, 1 to 10,000 in other scenes."
+    yield "`static_load` is worked out when the FMU is built, and does not follow when other parameters change."
+    yield "Inputs, parameters and states that are not finite are refused, and so are masses and densities below zero."
+
+
+def _solver_limits() -> Iterator[str]:
     yield "Angles may wind up to 1.6e6 rad; beyond that a run ends with an error."
     yield "Tolerances are taken from 1e-13 to 0.1; what is outside counts as the nearest of these."
     yield "A communication step takes at most a million attempts at a step of the solver, then it ends with an error."
-    yield "Inputs, parameters and states that are not finite are refused, and so are masses and densities below zero."
-    if "static_load" in cable.parameters:
-        yield "`static_load` is worked out when the FMU is built, and does not follow when other parameters change."

@@ -25,6 +25,7 @@ from ..files import check_writable, replacing
 from ..scene import Scene, load_scene
 from .archive import write_zip
 from .description import Experiment, describe, model_identifier
+from .documentation import DOCUMENTATION, documentation
 from .resource import token_of
 from .variables import Kind, Variable, variables_of
 
@@ -78,6 +79,7 @@ def build_twin(scene: Scene | str | Path, output: str | Path | None = None) -> P
     check_writable(path)
     members = _packed(scene)
     members["modelDescription.xml"] = _description(scene, token_of(b"".join(members[name] for name in sorted(members))))
+    members[DOCUMENTATION] = documentation(scene, twin_variables(scene), fmi=2, file=path.name, twin=_REMARK)
     members["documentation/licenses/license.txt"] = (files("cablefmu") / "binaries" / "LICENSE").read_bytes()
     with replacing(path) as temporary:
         write_zip(temporary, members)
