@@ -75,11 +75,12 @@ def build_twin(scene: Scene | str | Path, output: str | Path | None = None) -> P
         raise SceneError(
             f'{scene.name}: run.initial = "equilibrium": a twin starts from the shape; "shape" is expected for a twin'
         )
-    path = Path(output) if output is not None else Path("build") / f"{scene.name}-twin.fmu"
+    name = f"{scene.name}-twin.fmu"
+    path = Path(output) if output is not None else Path("build") / name
     check_writable(path)
     members = _packed(scene)
     members["modelDescription.xml"] = _description(scene, token_of(b"".join(members[name] for name in sorted(members))))
-    members[DOCUMENTATION] = documentation(scene, twin_variables(scene), fmi=2, file=path.name, twin=_REMARK)
+    members[DOCUMENTATION] = documentation(scene, twin_variables(scene), fmi=2, file=name, twin=_REMARK)
     members["documentation/licenses/license.txt"] = (files("cablefmu") / "binaries" / "LICENSE").read_bytes()
     with replacing(path) as temporary:
         write_zip(temporary, members)
