@@ -299,7 +299,10 @@ def _equations(cable: Cable, variables: Sequence[Variable]) -> Iterator[str]:
     yield "<p>Planar motion of rigid links; a dot is a derivative with respect to time.</p>"
     for topic in equations_of(cable, variables):
         yield f"<h3>{topic.title}</h3>"
-        yield from (f'<div class="formula">{mathml(formula, block=True)}</div>' for formula in topic.formulas)
+        for formula in topic.formulas:
+            # Beside each other where there is room.
+            parts = "\n".join(mathml(part, block=True) for part in formula.split(r"\quad"))
+            yield f'<div class="formula">{parts}</div>'
         yield f"<p>{_rich(topic.words)}</p>"
 
 

@@ -23,6 +23,7 @@ class Topic:
 
     title: str
     formulas: tuple[str, ...]
+    """Lines; what \\quad separates need not stand on one."""
     words: str
     """HTML without formulas; what stands in `backquotes` is code, in $dollars$ a formula."""
 

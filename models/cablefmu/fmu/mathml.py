@@ -13,7 +13,7 @@ from html import escape
 __all__ = ["mathml"]
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\d+(?:\.\d+)?|\S")
-_SIGNS = {"\\cdot": "·", "\\sum": "∑", "\\dots": "…", "\\quad": "\u2003", "\\pi": "π"}
+_SIGNS = {"\\cdot": "·", "\\sum": "∑", "\\dots": "…", "\\pi": "π"}
 _FUNCTIONS = ("\\sin", "\\cos", "\\max")
 
 
@@ -65,17 +65,18 @@ def _row(tokens: _Tokens) -> Iterator[str]:
 
 def _item(tokens: _Tokens) -> str:
     """One atom with what stands below and above it."""
-    is_sum = tokens.next == "\\sum"
+    is_sum, is_function = tokens.next == "\\sum", tokens.next in _FUNCTIONS
     base = _atom(tokens)
     scripts: dict[str, str] = {}
     while tokens.next in ("_", "^"):
         place = tokens.take()
         scripts[place] = _atom(tokens)
+    gap = '<mspace width="0.17em"></mspace>' if is_function else ""
     if not scripts:
-        return base
+        return base + gap
     below, above = ("under", "over") if is_sum else ("sub", "sup")
     name = "m" + (below if "_" in scripts else "") + (above if "^" in scripts else "")
-    return f"<{name}>{base}{scripts.get('_', '')}{scripts.get('^', '')}</{name}>"
+    return f"<{name}>{base}{scripts.get('_', '')}{scripts.get('^', '')}</{name}>{gap}"
 
 
 def _atom(tokens: _Tokens) -> str:
@@ -89,7 +90,7 @@ def _atom(tokens: _Tokens) -> str:
     if token in _COMMANDS:
         return _COMMANDS[token](tokens)
     if token in _FUNCTIONS:
-        return f'<mi>{token[1:]}</mi><mspace width="0.17em"></mspace>'
+        return f"<mi>{token[1:]}</mi>"
     if token in _SIGNS:
         return f"<mo>{_SIGNS[token]}</mo>"
     if token.startswith("\\"):
@@ -98,7 +99,9 @@ def _atom(tokens: _Tokens) -> str:
         return f"<mn>{token}</mn>"
     if token.isalpha():
         return f"<mi>{token}</mi>"
-    upright = ' stretchy="false"' if token in "()|[]" else ""
+    if token == "|":  # a bracket, whichever side
+        return '<mo stretchy="false" lspace="0" rspace="0">|</mo>'
+    upright = ' stretchy="false"' if token in "()[]" else ""
     return f"<mo{upright}>{escape('−' if token == '-' else token)}</mo>"
 
 
