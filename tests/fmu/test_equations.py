@@ -1,18 +1,25 @@
-"""The equations that a scene's page shows: all parameters and inputs that it has, nothing that it has not."""
+"""The equations that a scene's page shows: true of the dense reference model, and of what the scene has only."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cablefmu.cable import Cable, Drag
+from cablefmu.cable import Cable, Drag, Terminal
 from cablefmu.fmu.equations import Topic, equations_of
 from cablefmu.fmu.table import table
 from cablefmu.fmu.variables import variables_of
+from cablefmu.reference import Reference
+from cablefmu.reference.drag import drag_forces
+from cablefmu.reference.kinematics import accelerations, centres, motion_of, points, velocities
 from cablefmu.scene import Scene
+from tests.fmu.tex import Lookup, sides
 from tests.fmu_helpers import KINDS, SCENES, small_scene
+from tests.random_cables import KINDS as RANDOM_KINDS
+from tests.random_cables import random_cable, random_inputs, random_state
 
 SYMBOLS = {
     "g": ") g", "rho_w": "ρ_w", "Cd": "C_{d,i}", "k_joint": "k_i (θ_i", "c_joint": "c_i (\\dot", "M_1": "M_1",
@@ -75,3 +82,103 @@ def test_outputs_that_are_dropped_are_not_explained() -> None:
     assert [formula.split(" = ")[0] for formula in without["Tensions"].formulas] == [
         r"\name{tension_top}", r"\name{tension_end}"
     ]  # fmt: skip
+
+
+# --- against the reference ---
+
+
+def numbers(cable: Cable, rng: np.random.Generator) -> tuple[Lookup, float]:
+    """The value of every letter in one motion by the reference model, and the largest force in it [N]."""
+    q, v = random_state(rng, cable)
+    inputs = random_inputs(rng, cable)
+    reference = Reference(cable)
+    chain, motion = reference.chain, motion_of(q, v)
+    a, forces = reference.acceleration(q, v, inputs), reference.joint_forces(q, v, inputs)
+    nodes = [points(chain, motion), velocities(chain, motion), accelerations(chain, motion, a)]
+    angles = [np.array([0.0, *part[1:]]) for part in (q, v, a)]
+    bend = [np.diff(part) for part in angles]
+    torques = chain.stiffness * bend[0] + chain.damping * bend[1]
+    across = np.sum(motion.across * centres(nodes[1]), axis=1)
+    of_links = {
+        "l": chain.length, "m": chain.mass, "I": chain.inertia, "k": chain.stiffness, "c": chain.damping,
+        "V": cable.links.volume, "D": cable.links.drag_area / cable.links.length, "w": chain.wet_mass * chain.gravity,
+        "T": np.array([*torques, 0.0]), "R": forces, "e": motion.along, "n": motion.across, "v": across,
+        "f": drag_forces(chain, motion),
+    }  # fmt: skip
+    end_weight = chain.end_wet_mass * chain.gravity
+    known = {**cable.parameters, **inputs, "ω": 10.0, "1/s": 1.0, "w_c": end_weight}
+    known |= {"x_0": cable.rest_position[0], "y_0": cable.rest_position[1], "ρ_w": cable.parameters.get("rho_w")}
+    known |= reference.outputs(q, v, inputs)
+    if "rho_c" in known:
+        known["V_c"] = known["m_c"] / known["rho_c"]
+
+    def lookup(letter: str, dots: int, index: str, i: int) -> object:
+        at, _, part = index.partition(",")
+        place = {"i": i, "i-1": i - 1, "i+1": i + 1, "n": cable.n, "n+1": cable.n + 1, "0": 0, "1": 1}.get(at)
+        if (letter, index) == ("y", "m1"):
+            return (q, v, a)[dots][0]
+        if letter in "xy" and index == "c":
+            return nodes[dots][-1]["xy".index(letter)]
+        if letter == "C" or (letter, at) == ("c", "v"):
+            return cable.parameters.get("Cd", cable.links.drag[i - 1]) if letter == "C" else cable.links.drag[i - 1]
+        if letter == "P":
+            return np.array(cable.rest_position) if index == "pin" else nodes[dots][place]
+        if letter == "θ":
+            return angles[dots][place]
+        if letter == "p":
+            value = centres(nodes[dots])[place - 1]
+            return value["xy".index(part)] if part else value
+        name = f"{letter}_{index}" if index else letter
+        if name in known or place is None:
+            return known[name]
+        value = of_links[letter][place - 1]
+        return value["xy".index(part)] if part else value
+
+    return lookup, float(np.max(np.abs(forces)))
+
+
+def equations(cable: Cable) -> list[str]:
+    """One a line; that of the energy goes over several."""
+    found = []
+    for topic in topics(cable).values():
+        lines = [" ".join(topic.formulas)] if topic.title == "Energy" else topic.formulas
+        found += [part.strip() for line in lines for part in line.split(r"\quad")]
+    return [line for line in found if r"\dots" not in line]
+
+
+def holds(equation: str, cable: Cable, lookup: Lookup, force: float) -> bool:
+    """Whether both sides are equal for every link, but for the rounding of forces that cancel."""
+    length = float(np.max(cable.links.length))
+    for i in range(1, cable.n + 1):
+        first, *others = sides(equation, lookup, i, cable.n)
+        size = max(force * max(length, 1.0), float(np.max(np.abs(first))))
+        if not all(np.allclose(first, other, rtol=0.0, atol=1e-9 * size) for other in others):
+            return False
+    return True
+
+
+@pytest.mark.parametrize(("terminal", "water", "drag"), RANDOM_KINDS)
+def test_every_equation_holds_in_the_motion_of_the_reference(terminal: Terminal, water: bool, drag: Drag) -> None:
+    """Links that differ, at any angle and rate: what a reader computes by the page is what the model does."""
+    rng = np.random.default_rng([*terminal.encode(), water, *drag.encode()])
+    for n in (1, 2, 7):
+        cable = random_cable(rng, n, terminal, water, drag=drag)
+        lookup, force = numbers(cable, rng)
+        assert [line for line in equations(cable) if not holds(line, cable, lookup, force)] == []
+
+
+@pytest.mark.parametrize("terminal", Terminal)
+def test_a_wrong_sign_in_any_equation_is_seen(terminal: Terminal) -> None:
+    """Every plus and minus between terms, one at a time, but for those in an index."""
+    rng = np.random.default_rng([*terminal.encode()])
+    cable = random_cable(rng, 5, terminal, True, drag=Drag.COEFFICIENT)
+    lookup, force = numbers(cable, rng)
+    unseen, planted = [], 0
+    for line in equations(cable):
+        for sign in re.finditer(r"(?<= )[+-](?= )", line):
+            wrong = line[: sign.start()] + {"+": "-", "-": "+"}[sign[0]] + line[sign.end() :]
+            planted += 1
+            if holds(wrong, cable, lookup, force):
+                unseen.append(wrong)
+    assert planted > 20
+    assert unseen == []
