@@ -8,24 +8,45 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import os
+import struct
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 
-TARGETS = {"x86_64-linux": ("x86_64-linux-gnu.2.17", "cable.so")}
+MACH_X86_64, MACH_ARM64 = 0x01000007, 0x0100000C
+"""CPU_TYPE_X86_64 and CPU_TYPE_ARM64 of <mach/machine.h>."""
+
+TARGETS = {
+    "x86_64-linux": ("x86_64-linux-gnu.2.17", "cable.so"),
+    "aarch64-linux": ("aarch64-linux-gnu.2.17", "cable.so"),
+    "x86_64-windows": ("x86_64-windows-gnu", "cable.dll"),
+    "x86_64-darwin": ("x86_64-macos.11.0", "cable.dylib"),
+    "aarch64-darwin": ("aarch64-macos.11.0", "cable.dylib"),
+}
 """FMI 3 platform tuple -> (target of the compiler, file name of the FMU's library)."""
 
-KERNEL = "kernel.so"
-"""Beside it: the kernel for Python, which no FMU holds."""
+KERNEL = "kernel"
+"""Beside it, with the same suffix: the kernel for Python, which no FMU holds."""
+
+UNIVERSAL = ("universal-darwin", ("x86_64-darwin", "aarch64-darwin"))
+"""Both of Apple's processors in one file, as FMI 2 wants it."""
+
+STAMP = "source_hash.txt"
+"""In each platform's folder: of which sources its libraries are."""
 
 REQUIREMENTS = ["ziglang==0.17.1", "fmpy>=0.3.23,<0.4"]
 """What compiling needs from PyPI: the compiler (pinned: its output is hashed), and FMPy for the FMI headers."""
 
 STRICT = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 # -ffp-contract=off and -fno-math-errno: the same bits on every platform (no fused multiply-add behind our back).
-RELEASE = ["-O3", "-g0", "-s", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno"]
+_COMPILE = ["-O3", "-g0", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno"]
+RELEASE = ["-s", "-shared", *_COMPILE]
 
 
 def kernel_sources() -> list[Path]:
@@ -62,12 +83,17 @@ def fmi_headers() -> Path:
     return Path(next(iter(spec.submodule_search_locations))) / "c-code"
 
 
+def windows_sources() -> list[Path]:
+    """What a DLL without start-up code needs."""
+    return sorted((HERE / "windows").glob("*.c"))
+
+
 def source_hash() -> str:
     """SHA-256 over everything that the folder of binaries is made of, this recipe included."""
     digest = hashlib.sha256()
     files = sorted(
         p
-        for folder in ("kernel", "fmi", "kernel_api")
+        for folder in ("kernel", "fmi", "kernel_api", "windows")
         for p in (HERE / folder).iterdir()
         if p.suffix in {".c", ".h", ".def"}
     )
@@ -85,20 +111,92 @@ def compile_library(output: Path, sources: list[Path], flags: list[str], *, targ
         With the compiler's words, if it fails.
     """
     output.parent.mkdir(parents=True, exist_ok=True)
-    command = [sys.executable, "-m", "ziglang", "cc", *(["-target", target] if target else []), *STRICT, *flags]
-    command += ["-isystem", str(fmi_headers()), *map(str, sources), "-o", str(output), "-lm"]
-    result = subprocess.run(command, capture_output=True, text=True)
+    _zig([*_target(target), *STRICT, *flags, *_headers(), *map(str, sources), "-o", str(output), "-lm"])
+
+
+def _zig(arguments: list[str]) -> None:
+    """The compiler, which also links; its words if it fails."""
+    result = subprocess.run([sys.executable, "-m", "ziglang", "cc", *arguments], capture_output=True, text=True)
     if result.returncode:
         raise RuntimeError(f"the compiler failed:\n{result.stderr}")
 
 
-def build_binaries(folder: Path) -> None:
-    """Every platform's library into `folder`, with the texts and the stamp that says of which sources."""
-    for platform, (target, name) in TARGETS.items():
-        compile_library(folder / platform / name, kernel_sources() + fmi_sources(), RELEASE, target=target)
-        compile_library(folder / platform / KERNEL, kernel_sources() + kernel_api_sources(), RELEASE, target=target)
+def _target(target: str | None) -> list[str]:
+    return ["-target", target] if target else []
+
+
+def _headers() -> list[str]:
+    return ["-isystem", str(fmi_headers())]
+
+
+def _compile_flags(platform: str) -> list[str]:
+    if not platform.endswith("windows"):
+        return _COMPILE
+    # Without start-up code nothing probes the stack, so frames must stay within the guard page of 4 kB.
+    flags = [flag for flag in _COMPILE if flag != "-fPIC"]
+    return [*flags, "-mno-stack-arg-probe", "-fno-stack-protector", "-Wframe-larger-than=4096"]
+
+
+def _link_flags(platform: str, name: str) -> list[str]:
+    if platform.endswith("windows"):
+        return ["-s", "-shared", "-nostdlib", "-nostartfiles", "-lucrtbase", "-lkernel32"]
+    if platform.endswith("darwin"):  # not stripped: that would take the signature off arm64 libraries
+        return ["-shared", f"-Wl,-install_name,@rpath/{name}"]
+    return ["-s", "-shared", "-lm"]
+
+
+def build_platform(folder: Path, platform: str) -> None:
+    """The FMU's library and the kernel's for one platform into `folder`; each source is compiled once."""
+    target, library = TARGETS[platform]
+    shim = windows_sources() if platform.endswith("windows") else []
+    sources = [*kernel_sources(), *fmi_sources(), *kernel_api_sources(), *shim]
+    with tempfile.TemporaryDirectory() as name:
+        objects = {source: Path(name) / f"{k}-{source.stem}.o" for k, source in enumerate(sources)}
+
+        def compile_one(source: Path) -> None:
+            flags = [*STRICT, *_compile_flags(platform), *_headers()]
+            _zig([*_target(target), *flags, "-c", str(source), "-o", str(objects[source])])
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(compile_one, sources))
+        folder.mkdir(parents=True, exist_ok=True)
+        for output, last in ((library, fmi_sources()), (KERNEL + Path(library).suffix, kernel_api_sources())):
+            parts = [str(objects[source]) for source in [*kernel_sources(), *last, *shim]]
+            _zig([*_target(target), *parts, "-o", str(folder / output), *_link_flags(platform, output)])
+    for left_over in folder.glob("*.lib"):  # of the linker for Windows
+        left_over.unlink()
+
+
+def join_universal(libraries: dict[int, bytes]) -> bytes:
+    """One Mach-O file for several processors: a header in big-endian order, then each library on a page of its own.
+
+    Parameters
+    ----------
+    libraries
+        Processor type of <mach/machine.h> -> the library for it.
+    """
+    page, header = 1 << 14, struct.pack(">II", 0xCAFEBABE, len(libraries))
+    content, offset = b"", page
+    for processor, library in libraries.items():
+        subtype = 3 if processor == MACH_X86_64 else 0
+        header += struct.pack(">IIIII", processor, subtype, offset, len(library), 14)
+        content += library.ljust(-(-len(library) // page) * page, b"\0")
+        offset = page + len(content)
+    return header.ljust(page, b"\0") + content
+
+
+def build_binaries(folder: Path, platforms: Iterable[str] = TARGETS) -> None:
+    """The libraries of these platforms into `folder`, where they are not current, and the texts."""
+    for platform in platforms:
+        if not platform_is_current(folder, platform):
+            build_platform(folder / platform, platform)
+            (folder / platform / STAMP).write_text(source_hash() + "\n")
+    name, thin = UNIVERSAL
+    if any(platform in platforms for platform in thin):
+        x86, arm = ((folder / platform / "cable.dylib").read_bytes() for platform in thin)
+        (folder / name).mkdir(exist_ok=True)
+        (folder / name / "cable.dylib").write_bytes(join_universal({MACH_X86_64: x86, MACH_ARM64: arm}))
     copy_texts(folder)
-    (folder / "source_hash.txt").write_text(source_hash() + "\n")
 
 
 def copy_texts(folder: Path) -> None:
@@ -110,14 +208,21 @@ def copy_texts(folder: Path) -> None:
     (folder / "LICENSE").write_bytes((HERE.parent / "LICENSE").read_bytes())
 
 
-def is_current(folder: Path) -> bool:
-    """Whether `folder` holds the binaries of the present sources."""
-    stamp = folder / "source_hash.txt"
-    built = all(
-        (folder / platform / library).is_file() for platform, (_, name) in TARGETS.items() for library in (name, KERNEL)
-    )
+def platform_is_current(folder: Path, platform: str) -> bool:
+    """Whether `folder` holds this platform's libraries, of the present sources."""
+    library = TARGETS[platform][1]
+    built = all((folder / platform / name).is_file() for name in (library, KERNEL + Path(library).suffix))
+    stamp = folder / platform / STAMP
     return built and stamp.is_file() and stamp.read_text().strip() == source_hash()
 
 
-if __name__ == "__main__":  # python fmu_src/toolchain.py: after a change of the C sources, in a development checkout
-    build_binaries(HERE.parent / "models" / "cablefmu" / "binaries")
+def is_current(folder: Path) -> bool:
+    """Whether `folder` holds the binaries of the present sources, for every platform."""
+    universal = folder / UNIVERSAL[0] / "cable.dylib"
+    return universal.is_file() and all(platform_is_current(folder, platform) for platform in TARGETS)
+
+
+if __name__ == "__main__":
+    # python fmu_src/toolchain.py [PLATFORM ...]: after a change of the C sources, in a development checkout; one
+    # platform is quicker, and the next installation sees to the others
+    build_binaries(HERE.parent / "models" / "cablefmu" / "binaries", sys.argv[1:] or TARGETS)

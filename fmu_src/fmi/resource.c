@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file.h"
 #include "sha256.h"
 
 enum { HEADER_BYTES = 56 };
@@ -35,6 +36,16 @@ static void percent_decode(char *text)
     *out = '\0';
 }
 
+/* "/C:/p" of a URI is "C:/p" to Windows; elsewhere it is as good a name as any. */
+static void drop_slash_of_drive(char *path)
+{
+#if defined(_WIN32)
+    if (path[0] == '/' && path[1] && path[2] == ':') memmove(path, path + 1, strlen(path));
+#else
+    (void)path;
+#endif
+}
+
 /*
  * The file's path in fresh memory, or NULL without memory. Hosts pass file:/p, file:///p,
  * file://localhost/p (percent-encoded) or, most of all in FMI 3, a bare path, with or without a slash
@@ -56,6 +67,7 @@ static char *resource_path(const char *directory)
     }
     strcpy(path, start);
     if (uri) percent_decode(path);
+    drop_slash_of_drive(path);
     const size_t used = strlen(path);
     strcpy(path + used, used && path[used - 1] == '/' ? RESOURCE_NAME : "/" RESOURCE_NAME);
     return path;
@@ -159,7 +171,7 @@ static bool variables_are_sane(const Resource *resource)
 
 static bool read_file(Resource *resource, const char *path, Text *why)
 {
-    FILE *file = fopen(path, "rb");
+    FILE *file = file_open_to_read(path);
     if (!file) return fail(why, path, errno == ENOMEM ? "out of memory" : "cannot be opened");
     const char *trouble = read_all(file, resource);
     fclose(file);

@@ -9,7 +9,11 @@
 #include "../kernel/dynamics.h"
 #include "../kernel/statics.h"
 
+#if defined(_WIN32)
+#define VISIBLE __declspec(dllexport)
+#else
 #define VISIBLE __attribute__((visibility("default")))
+#endif
 
 /* One cable; the derived constants, scratch and factors share one block. */
 typedef struct {
