@@ -167,6 +167,19 @@ def build_platform(folder: Path, platform: str) -> None:
         left_over.unlink()
 
 
+def build_program(output: Path, source: Path, platform: str) -> None:
+    """One C file as a program for that platform: hosts that the tests run there.
+
+    On Windows it has no start-up code: it begins at mainCRTStartup and takes no command line.
+    """
+    windows = platform.endswith("windows")
+    target = _target(TARGETS[platform][0])
+    compiled = output.with_suffix(".o")
+    _zig([*target, *STRICT, *_compile_flags(platform), *_headers(), "-c", str(source), "-o", str(compiled)])
+    without = ["-Wl,--subsystem,console", "-Wl,-e,mainCRTStartup", "-nostdlib", "-nostartfiles", "-lucrtbase", "-lkernel32"]
+    _zig([*target, "-s", str(compiled), "-o", str(output), *(without if windows else [])])
+
+
 def join_universal(libraries: dict[int, bytes]) -> bytes:
     """One Mach-O file for several processors: a header in big-endian order, then each library on a page of its own.
 

@@ -1,0 +1,1 @@
+"""Other machines' libraries, run here: Windows under Wine, aarch64 under qemu."""
