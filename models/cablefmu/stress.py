@@ -77,7 +77,9 @@ def stress(
         files.append(markdown)
     if record is not None:
         ended = [row for row in rows if row.verdict == "within tolerance"]
-        write_baseline(((row.case.name, Measured(row.ratio, row.energy)) for row in ended), record)
+        write_baseline(
+            ((row.case.name, Measured(row.ratio, row.energy, int(row.figures["steps"]))) for row in ended), record
+        )
         files.append(record)
     print(summary(rows))
     print("results: " + ", ".join(map(str, files)))

@@ -184,8 +184,8 @@ def _own(request: Request, scene: Scene) -> Answer:
         request.fmu, step=request.step, tolerance=request.tolerance, parameters=parameters, record=["theta"]
     )  # fmt: skip
     answer = Answer("ended", **_motion(result))
-    pull = float(np.max(result["tension_max"].values))
-    return replace(answer, figures={**answer.figures, "force": max(pull, _largest_force(scene))})
+    pulls = (float(np.max(np.abs(result[name].values))) for name in ("tension_top", "tension_end", "tension_max"))
+    return replace(answer, figures={**answer.figures, "force": max(*pulls, _largest_force(scene))})
 
 
 def _largest_force(scene: Scene) -> float:

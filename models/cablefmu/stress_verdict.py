@@ -23,6 +23,7 @@ reference, and no horizon.
 
 Most runs use a thousandth of that. So neither share may grow by more than `WORSE` over what was once measured
 [stress_baseline.py], or over what can be told apart: the distance of two references, rounding, `TIGHTEST` in angles.
+Nor may the number of steps by more than `LONGER`, or by `FEW`: a solver whose Jacobian is wrong keeps its tolerance.
 
 Accelerations are compared with the dense equation at states of the motion [stress_accelerations.py].
 """
@@ -44,8 +45,8 @@ from .stress_grid import Case
 from .stress_run import ACCELERATIONS, Answer, Request
 
 __all__ = [
-    "ANYTHING", "DENSE_LINKS", "ENERGY", "LIMIT", "LOOSEST", "MULTIPLE", "NUDGE", "PARTING", "TIGHTER", "TIGHTEST",
-    "WORSE", "Row", "judge",
+    "ANYTHING", "DENSE_LINKS", "ENERGY", "FEW", "LIMIT", "LONGER", "LOOSEST", "MULTIPLE", "NUDGE", "PARTING", "TIGHTER",
+    "TIGHTEST", "WORSE", "Row", "judge",
 ]  # fmt: skip
 
 NUDGE = 1e-9
@@ -53,7 +54,7 @@ NUDGE = 1e-9
 MULTIPLE = 5.0
 TRACE = 0.01
 ENERGY, ROUNDING = 100.0, 1e-13
-WORSE = 10.0
+WORSE, LONGER, FEW = 10.0, 3.0, 100
 PARTING, ANYTHING = 1e3, 0.1
 FEWEST = 3
 TIGHTER, TIGHTEST, LOOSEST = 100.0, 1e-12, 1e-7
@@ -90,6 +91,8 @@ class Row:
     """Their error / allowed; of up to MOST_LINKS links."""
     worse: float = float("nan")
     """How many times more of the allowed it uses than once measured, or than can be told apart."""
+    longer: float = float("nan")
+    """How many times the steps once measured."""
     growth: float = float("nan")
     """K at the horizon."""
     spread: float = float("nan")
@@ -171,12 +174,20 @@ def _weigh(row: Row, run: Answer, request: Request, ask: Ask, measured: Measured
     known_energy = _compare_energy(row, run)
     if row.verdict == "within tolerance" and measured is not None:
         row.worse = max(row.ratio / max(measured.position, known), row.energy / max(measured.energy, known_energy))
-        if not row.worse <= WORSE:
-            row.verdict = "worse"
-            row.message = (
-                f"{row.worse:.3g} times what was once measured: of the allowed error {row.ratio:.2g}, "
-                f"then {measured.position:.2g}; of energy {row.energy:.2g}, then {measured.energy:.2g}"
-            )
+        row.longer = row.figures["steps"] / max(measured.steps, 1)
+        _compare_with_once(row, measured)
+
+
+def _compare_with_once(row: Row, measured: Measured) -> None:
+    if not row.worse <= WORSE:
+        row.verdict = "worse"
+        row.message = (
+            f"{row.worse:.3g} times what was once measured: of the allowed error {row.ratio:.2g}, "
+            f"then {measured.position:.2g}; of energy {row.energy:.2g}, then {measured.energy:.2g}"
+        )
+    elif row.figures["steps"] > LONGER * measured.steps + FEW:
+        row.verdict = "worse"
+        row.message = f"{row.figures['steps']:,.0f} steps, {row.longer:.3g} times what was once measured"
 
 
 def _references(plain: Request, run: Answer, ask: Ask) -> dict[str, tuple[Request, Answer]]:
@@ -221,6 +232,9 @@ def _compare_energy(row: Row, run: Answer) -> float:
     force, scale = run.figures["force"], _scale(run.facts["length"], [run])
     rounding = ROUNDING * force * scale
     allowed = ENERGY * row.tolerance**0.8 * force * farthest + rounding
+    if allowed == 0.0:  # nothing acts
+        row.energy = 0.0 if run.figures["energy_residual"] == 0.0 else math.inf
+        return 1.0
     row.energy = abs(run.figures["energy_residual"]) / allowed
     if row.verdict == "within tolerance" and not row.energy <= 1.0:
         row.verdict = "wrong"
