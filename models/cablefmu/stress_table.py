@@ -170,12 +170,11 @@ def explained() -> list[str]:
         "Explicit and implicit method share the kernel's right-hand side. So, up to"
         f" {MOST_LINKS} links, the FMU's accelerations at {SPOTS} states of the motion are compared with those of the"
         f" dense matrices in long doubles: allowed are {SPOT_MULTIPLE:g} times what rounding does to the state and to"
-        " the forces on a link. And the energy balance E(t) - E(0) = work - losses, which needs no reference, may be off"
-        f" by {ENERGY:g} r^0.8 F D at the end: F the largest force, D the farthest way of any joint.",
-        "Most use a thousandth of all that. What each case was once measured to use is kept."
-        f" A case that uses {WORSE:g} times as much (or that much more than references can tell apart) has failed, too"
-        f" (times once is 1 where nothing has changed), and so has one that takes {LONGER:g} times the steps and"
-        f" {FEW} more.",
+        " the forces on a link. And the energy balance E(t) - E(0) = work - losses, which needs no reference, may be"
+        f" off by {ENERGY:g} r^0.8 F D at the end: F the largest force, D the farthest way of any joint.",
+        "Most use a thousandth of all that. What each case was once measured to use is kept. One that uses"
+        f" {WORSE:g} times as much, or that much more than references can tell apart, has failed as well (times once is"
+        f" 1 where nothing has changed), and so has one that takes {LONGER:g} times the steps and {FEW} more.",
     ]
 
 
