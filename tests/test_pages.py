@@ -19,7 +19,9 @@ class Reader(HTMLParser):
         self.tags.append((tag, dict(attrs)))
 
     def handle_data(self, data: str) -> None:
-        self.text[self.tags[-1][0]] = self.text.get(self.tags[-1][0], "") + data
+        if self.tags:
+            tag = self.tags[-1][0]
+            self.text[tag] = self.text.get(tag, "") + data
 
 
 def test_a_page_is_whole_and_its_words_are_escaped() -> None:
@@ -27,7 +29,7 @@ def test_a_page_is_whole_and_its_words_are_escaped() -> None:
     reader = Reader()
     reader.feed(page)
     assert page.startswith("<!DOCTYPE html>")
-    assert reader.text["title"].strip() == "a < b" and "x & y" in page.replace("&amp;", "&")
+    assert reader.text["title"].strip() == "a < b"
     assert page.index("<h1>One</h1>") < page.index("<p>Two</p>") < page.index("x &amp; y")
     assert "h1 { color: var(--ink); }" in reader.text["style"]
     assert "@media (prefers-color-scheme: dark)" in reader.text["style"]
