@@ -68,14 +68,13 @@ class Told:
 
 
 def package_of(sources: Path, folder: Path) -> Path:
-    """A copy of the package below `folder` with libraries compiled from those sources; what PYTHONPATH must hold."""
+    """A copy of the package below `folder`, its FMUs with a library from those sources; what PYTHONPATH must hold."""
     package = shutil.copytree(Path(cablefmu.__file__).parent, folder / "cablefmu")
     recipe = toolchain(sources)
     platform = f"{machine()}-{sys.platform}"
     target, name = recipe.TARGETS[platform]
-    for library, interface in ((name, recipe.fmi_sources()), (recipe.KERNEL, recipe.kernel_api_sources())):
-        output = package / "binaries" / platform / library
-        recipe.compile_library(output, [*recipe.kernel_sources(), *interface], recipe.RELEASE, target=target)
+    output = package / "binaries" / platform / name
+    recipe.compile_library(output, [*recipe.kernel_sources(), *recipe.fmi_sources()], recipe.RELEASE, target=target)
     return folder
 
 
