@@ -202,6 +202,40 @@ class Host(AbstractContextManager["Host"]):
         read(_pointer(dx), len(dx))
         return dx
 
+    # --- the complete state: FMPy's names differ between the versions ---
+
+    def take(self) -> Any:
+        return (self.fmu.getFMUstate if self.fmi == 2 else self.fmu.getFMUState)()
+
+    def put(self, state: Any) -> Host:
+        (self.fmu.setFMUstate if self.fmi == 2 else self.fmu.setFMUState)(state)
+        return self
+
+    def free(self, state: Any) -> None:
+        (self.fmu.freeFMUstate if self.fmi == 2 else self.fmu.freeFMUState)(state)
+
+    def image_of(self, state: Any) -> bytes:
+        image = (self.fmu.serializeFMUstate if self.fmi == 2 else self.fmu.serializeFMUState)(state)
+        assert isinstance(image, bytes)
+        return image
+
+    def state_in(self, image: bytes) -> Any:
+        return (self.fmu.deSerializeFMUstate if self.fmi == 2 else self.fmu.deserializeFMUState)(image)
+
+    def save(self) -> bytes:
+        """The present state as bytes."""
+        state = self.take()
+        image = self.image_of(state)
+        self.free(state)
+        return image
+
+    def load(self, image: bytes) -> Host:
+        """On from a state that save() gave."""
+        state = self.state_in(image)
+        self.put(state)
+        self.free(state)
+        return self
+
     def raw(self, function: str, *arguments: Any) -> int:
         """Status of a call that FMPy has no wrapper for, or that must not raise."""
         status: int = getattr(ctypes.CDLL(self.fmu.dll._name), function)(

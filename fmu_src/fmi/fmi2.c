@@ -208,46 +208,6 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return no_variables(c, CALL_fmi2SetString, nvr);
 }
 
-/* --- what the description says is not offered --- */
-
-static const char NO_STATE[] = "getting and setting the complete state is not offered (canGetAndSetFMUstate = false)";
-
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
-{
-    (void)FMUstate;
-    return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
-{
-    (void)FMUstate;
-    return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
-{
-    return !FMUstate || !*FMUstate ? fmi2OK : fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
-{
-    (void)FMUstate, (void)size;
-    return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
-{
-    (void)FMUstate, (void)serializedState, (void)size;
-    return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
-                                   fmi2FMUstate *FMUstate)
-{
-    (void)serializedState, (void)size, (void)FMUstate;
-    return fmi2_refuse(c, NO_STATE);
-}
-
 /* --- Model Exchange --- */
 
 fmi2Status fmi2EnterEventMode(fmi2Component c)

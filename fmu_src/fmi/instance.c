@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "state.h"
+
 static const double DEFAULT_TOLERANCE = 1e-6, LEAST_TOLERANCE = 1e-13, MOST_TOLERANCE = 1e-1;
 
 Status instance_fail(Instance *instance, const Text *message)
@@ -141,13 +143,12 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
     instance->interface = interface;
     if (!resource_read(&instance->resource, resource_directory, &why)) return refuse(instance, &why);
 
-    char expected[39];
-    resource_token(&instance->resource, expected);
-    if (!token || strcmp(token, expected) != 0) {
+    resource_token(&instance->resource, instance->token);
+    if (!token || strcmp(token, instance->token) != 0) {
         text_add(&why, "the guid or instantiation token ");
         text_add(&why, token ? token : "(none)");
         text_add(&why, " does not belong to " RESOURCE_NAME ", whose token is ");
-        text_add(&why, expected);
+        text_add(&why, instance->token);
         return refuse(instance, &why);
     }
     instance->block = calloc(doubles_of(&instance->resource), sizeof(double));
@@ -163,6 +164,7 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
 void instance_free(Instance *instance)
 {
     if (!instance) return;
+    states_free(instance);
     resource_free(&instance->resource);
     free(instance->block);
     free(instance);

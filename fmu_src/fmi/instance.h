@@ -3,7 +3,7 @@
  *
  * Model and parameters, state, inputs and solver memory are apart. What is derived (model constants,
  * derivatives, outputs) is recomputed only when something it depends on was set. No function here
- * keeps data outside its instance, and none allocates but instance_new().
+ * keeps data outside its instance, and none allocates but instance_new() and what makes a state [state.h].
  */
 #ifndef CABLE_INSTANCE_H
 #define CABLE_INSTANCE_H
@@ -36,6 +36,7 @@ typedef enum {
 } Mode;
 
 typedef struct Instance Instance;
+typedef struct State State; /* of an instance, taken for its host [state.h] */
 
 /* How the adapter talks to its host. `owner` is the adapter's own record. */
 typedef struct {
@@ -52,7 +53,9 @@ struct Instance {
     Interface interface;
     Mode mode;
     Resource resource;
-    double *block; /* all arrays below */
+    char token[40]; /* of the FMU, filled up with zeros */
+    State *states;  /* that the host has not freed yet */
+    double *block;  /* all arrays below */
 
     Model model;
     Work work;
@@ -65,7 +68,7 @@ struct Instance {
     double statics[STATICS_COUNT];
     double *changes;        /* three times the states, scratch [derivatives.c] */
     bool linear_is_current; /* for derivatives at the present state */
-    bool linear_is_lent;    /* to derivatives: the solver's linearised chain is gone [step.c] */
+    bool linear_is_lent;    /* to derivatives, or another state came: the solver's linearised chain is gone [step.c] */
     bool model_is_current, start_is_current, derivatives_are_current, outputs_are_current, tensions_are_current;
     SolverMemory solver;
 };

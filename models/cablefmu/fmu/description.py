@@ -171,7 +171,8 @@ def _fmi2(
         "needsExecutionTool": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": "false",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
     ET.SubElement(root, "ModelExchange", {**capabilities, "completedIntegratorStepNotNeeded": "true"})
@@ -233,7 +234,8 @@ def _fmi3(
         "modelIdentifier": identifier,
         "needsExecutionTool": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
-        "canGetAndSetFMUState": "false",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
