@@ -86,9 +86,9 @@ static void pass_experiment(Stream *stream, Instance *instance)
     pass_flag(stream, &instance->start_is_current);
     pass_doubles(stream, &instance->time, 1);
     pass_doubles(stream, &instance->stop_time, 1);
-    pass_doubles(stream, &instance->step_start, 1);
     pass_doubles(stream, instance->model.parameter, PARAMETER_COUNT);
     pass_doubles(stream, instance->u, INPUT_COUNT);
+    pass_int(stream, &instance->u_orders, 0, INPUT_ORDERS);
     for (int order = 0; order < INPUT_ORDERS; order++) pass_doubles(stream, instance->u_derivative[order], INPUT_COUNT);
     pass_doubles(stream, instance->statics, STATICS_COUNT);
 }

@@ -38,6 +38,12 @@ class Driver(Protocol):
     ) -> None:
         """Initialise, with these variables set before: numbers and values of enumerations, by reference."""
 
+    def resume(self, image: bytes) -> None:
+        """Instead of start(): on from a state that save() gave."""
+
+    def save(self) -> bytes:
+        """The FMU's complete state, serialized."""
+
     def get(self, references: Sequence[int]) -> list[float]:
         """Values of variables at the present time."""
 
@@ -52,7 +58,10 @@ class Driver(Protocol):
 
 
 class _Base(ABC):
-    """What all four share: messages, variables by name, errors as `RunError`."""
+    """What all four share: messages, variables by name, the complete state, errors as `RunError`."""
+
+    state_functions: tuple[str, ...]
+    """FMPy's names, which differ between the versions: get, set, free, serialize, deserialize."""
 
     def __init__(self, description: Any, feed: Feed) -> None:
         self.messages: list[str] = []
@@ -80,6 +89,19 @@ class _Base(ABC):
     def failed(self, what: str) -> RunError:
         return RunError(self.messages[-1] if self.messages else f"{what} failed without a message")
 
+    def resume(self, image: bytes) -> None:
+        _, put, free, _, deserialize = (getattr(self.fmu, name) for name in self.state_functions)
+        state = self._call("deserializing the state", deserialize, image)
+        self._call("setting the state", put, state)
+        self._call("freeing the state", free, state)
+
+    def save(self) -> bytes:
+        get, _, free, serialize, _ = (getattr(self.fmu, name) for name in self.state_functions)
+        state = self._call("getting the state", get)
+        image: bytes = self._call("serializing the state", serialize, state)
+        self._call("freeing the state", free, state)
+        return image
+
     def counters(self) -> dict[str, float]:
         names = [name for name in self.reference if name.startswith("solver.")]
         values = self.get([self.reference[name] for name in names])
@@ -103,6 +125,8 @@ class _Base(ABC):
 
 class _Fmi2(_Base):
     """Life cycle and variables of FMI 2."""
+
+    state_functions = ("getFMUstate", "setFMUstate", "freeFMUstate", "serializeFMUstate", "deSerializeFMUstate")
 
     def instantiate(self, kind: type, description: Any, interface: Any, folder: str) -> None:
         self.load(kind, description, interface, folder)
@@ -181,6 +205,8 @@ class Fmi2CoSimulation(_Fmi2):
 
 class _Fmi3(_Base):
     """Life cycle and variables of FMI 3."""
+
+    state_functions = ("getFMUState", "setFMUState", "freeFMUState", "serializeFMUState", "deserializeFMUState")
 
     def make(self, kind: type, description: Any, interface: Any, folder: str) -> None:
         self.load(kind, description, interface, folder)

@@ -8,7 +8,7 @@ import shutil
 import tempfile
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from .fmu.archive import Archive, build_fmu, open_fmu
 from .fmu.table import table
 from .fmu.variables import ENUMERATIONS, Kind, Variable, variables_of
 from .results import Recording, dataset
+from .saved_state import SavedState, check_saved, check_saving, hash_of, read_state, resume, write_state
 from .scene import Scene, load_scene
 from .signals import Constant
 from .statics_results import STATICS_GROUPS, joined, statics_dataset
@@ -33,6 +34,9 @@ INTERFACES = ("cs", "me")
 SETTABLE = (Kind.PARAMETER, Kind.SOLVER_CHOICE, Kind.INPUT, Kind.STATE)
 GROUPS = ("theta", "omega")
 """What `record` takes besides names of variables: all link angles, all link rates."""
+
+_ROUNDING = 1e-12
+"""Relative: times that differ by less are one."""
 
 Progress = Callable[[float, float], None]
 """Called with the simulated and the stop time [s]."""
@@ -48,18 +52,30 @@ class Settings:
     tolerance: float
     given: Mapping[str, float | str]
     record: tuple[str, ...]
+    saved: SavedState | None = None
+    """What the run goes on from."""
+    save_state: Path | None = None
+
+    @property
+    def start_time(self) -> float:
+        return self.saved.time if self.saved else 0.0
 
     def times(self) -> list[float]:
-        """Output times: 0, step, 2 step, ..., and the stop time [s]."""
+        """Output times: 0, step, 2 step, ..., and the stop time [s]; those from the start time on."""
         # Rounding of the quotient must not make one more interval; a step beyond the stop time makes one.
         count = math.ceil(self.stop_time / self.step * (1.0 - 1e-12))
-        return [k * self.step for k in range(count)] + [self.stop_time]
+        end, last = self.stop_time, count * self.step
+        if self.save_state and abs(last - end) <= _ROUNDING * end:
+            end = last  # a run that goes on from here must find the times of one that never stopped
+        later = [k * self.step for k in range(count) if k * self.step > self.start_time * (1.0 + _ROUNDING)]
+        return [self.start_time, *later, end]
 
 
 def simulate(
     what: Scene | str | Path, *, fmi: int | None = None, interface: str = "cs", stop_time: float | None = None,
     step: float | None = None, tolerance: float | None = None, parameters: Mapping[str, float | str] | None = None,
-    record: Sequence[str] = (), progress: Progress | None = None,
+    record: Sequence[str] = (), progress: Progress | None = None, save_state: str | Path | None = None,
+    from_state: str | Path | None = None,
 ) -> xr.Dataset:  # fmt: skip
     """Build a scene's FMU, run it through FMPy, and return its outputs over time.
 
@@ -84,6 +100,13 @@ def simulate(
         frequencies with mode shapes, and the cable's end stiffness, about the equilibrium for the inputs of the start.
     progress
         Called with the simulated and the stop time [s] after every output interval.
+    save_state
+        File for the complete state at the stop time; an existing one is replaced. Co-Simulation only: in Model
+        Exchange it is CVode that integrates, and its memory cannot be saved.
+    from_state
+        A file that `save_state` wrote of the same scene: the run goes on from there to a later stop time, with the same
+        bits as if it had never stopped. Version of FMI, step and what was set are those of the saved run, unless the
+        step or an input is given anew; parameters and tolerance cannot be.
 
     Returns
     -------
@@ -93,18 +116,29 @@ def simulate(
     Raises
     ------
     UserError
-        A mistake in what was given: SceneError, FmuError or OptionError.
+        A mistake in what was given: SceneError, FmuError, StateError or OptionError.
     RunError
         If the run could not go on; its `partial` is the Dataset up to then.
     """
     scene, archive = _open(what, fmi)
     variables = _variables(scene, archive)
-    settings = _settings(scene, variables, interface, stop_time, step, tolerance, parameters or {}, record)
+    saved = None if from_state is None else read_state(from_state)
+    version = archive.fmi if archive else fmi or (saved.fmi if saved else 2)
+    given = dict(parameters or {})
+    if saved:
+        inputs = [variable.name for variable in variables if variable.kind is Kind.INPUT]
+        check_saved(saved, scene, version, interface, tolerance, given, inputs)
+        step = saved.step if step is None else step
+        tolerance, given = saved.tolerance, {**saved.given, **given}
+    settings = _settings(scene, variables, interface, stop_time, step, tolerance, given, record)
+    if save_state is not None:
+        check_saving(Path(save_state), interface)
+    settings = _between_states(settings, saved, save_state, archive)
     statics = statics_dataset(scene, settings.given, [name for name in STATICS_GROUPS if name in settings.record])
     folder = tempfile.mkdtemp(prefix="cablefmu-")
     try:
         if archive is None:
-            archive = open_fmu(build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=fmi or 2))
+            archive = open_fmu(build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=version))
         extract(str(archive.path), unzipdir=str(Path(folder) / "fmu"))
         return joined(_run(archive, settings, str(Path(folder) / "fmu"), progress), statics)
     except RunError as error:
@@ -197,6 +231,20 @@ def _check_given(name: str, value: float | str, variables: Mapping[str, Variable
         raise OptionError(f"set {name}={value}: {expected} [{variables[name].unit}] is expected")
 
 
+def _between_states(
+    settings: Settings, saved: SavedState | None, save_state: str | Path | None, archive: Archive | None
+) -> Settings:
+    """With what the run goes on from, and where its end is kept."""
+    if archive and (saved or save_state) and not archive.description.coSimulation.canSerializeFMUstate:
+        raise OptionError(f"{archive.path}: this FMU cannot save its state; one from `cablefmu build` can")
+    settings = replace(settings, saved=saved, save_state=None if save_state is None else Path(save_state))
+    if not settings.stop_time > settings.start_time * (1.0 + _ROUNDING):
+        raise OptionError(
+            f"stop time = {settings.stop_time} s: the state is of t = {settings.start_time} s; a later time is expected"
+        )
+    return settings
+
+
 def _nearest(name: str, allowed: Sequence[str]) -> str:
     close = difflib.get_close_matches(name, allowed, n=1)
     return f"; did you mean {close[0]}?" if close else f"; allowed are {', '.join(a for a in allowed if '[' not in a)}"
@@ -216,10 +264,15 @@ def _run(archive: Archive, settings: Settings, folder: str, progress: Progress |
     driver = make_driver(archive.fmi, settings.interface, archive.description, folder, feed)
     try:
         started = clock.perf_counter()
-        driver.start(0.0, settings.stop_time, settings.tolerance, *_set_before(settings.given, by_name))
+        if settings.saved:
+            resume(driver, settings.saved)
+        else:
+            driver.start(0.0, settings.stop_time, settings.tolerance, *_set_before(settings.given, by_name))
         failure = _advance(driver, feed, settings.times(), recording, progress)
         statistics: dict[str, float] = dict(driver.counters()) if failure is None else {}
         statistics["run_time"] = clock.perf_counter() - started
+        if settings.save_state and failure is None:
+            _save(driver, archive, settings)
     finally:
         driver.close()
     result = dataset(recording, scene, {
@@ -231,6 +284,14 @@ def _run(archive: Archive, settings: Settings, folder: str, progress: Progress |
     reached = recording.times[-1] if recording.times else 0.0
     result.attrs["ended_early"] = str(failure)
     raise RunError(str(failure), time=reached, partial=result)
+
+
+def _save(driver: Driver, archive: Archive, settings: Settings) -> None:
+    assert settings.save_state
+    write_state(settings.save_state, SavedState(
+        scene=hash_of(archive.scene), fmi=archive.fmi, time=settings.times()[-1], step=settings.step,
+        tolerance=settings.tolerance, given=settings.given, image=driver.save(), source=str(settings.save_state),
+    ))  # fmt: skip
 
 
 def _set_before(
