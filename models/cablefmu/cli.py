@@ -154,9 +154,10 @@ def run(
     if plot:
         plot_frames(result, plot, frame_interval)
     print_summary(result, Console())
-    if save_state and failure is None:
-        written.append(save_state)
-    print(f"results: {', '.join(map(str, written))}" + (f", picture: {plot}" if plot else ""))
+    also = {"picture": plot, "state": save_state if failure is None else None}
+    print(
+        f"results: {', '.join(map(str, written))}" + "".join(f", {what}: {path}" for what, path in also.items() if path)
+    )
     if failure is not None:
         raise RunError(f"the run ended at t = {failure.time:g} s; the results up to then are kept.\n{failure}")
 

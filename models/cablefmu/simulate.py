@@ -240,7 +240,8 @@ def _between_states(
     settings = replace(settings, saved=saved, save_state=None if save_state is None else Path(save_state))
     if not settings.stop_time > settings.start_time * (1.0 + _ROUNDING):
         raise OptionError(
-            f"stop time = {settings.stop_time} s: the state is of t = {settings.start_time} s; a later time is expected"
+            f"stop time = {settings.stop_time} s: the state is of t = {settings.start_time:.12g} s; "
+            "a later time is expected"
         )
     return settings
 
