@@ -71,8 +71,8 @@ def run(host: Host, steps: Sequence[int]) -> list[bytes]:
 
 
 def run_and_save(host: Host) -> tuple[list[bytes], list[bytes]]:
-    """Images before every step, and everything after it."""
-    images, rows = [], []
+    """Images before every step, and everything before it; after the last step as well."""
+    images, rows = [], [everything(host)]
     for k in range(STEPS):
         images.append(host.save())
         rows += run(host, [k])
@@ -81,7 +81,8 @@ def run_and_save(host: Host) -> tuple[list[bytes], list[bytes]]:
 
 def assert_same_from_every(images: Sequence[bytes], rows: Sequence[bytes], host: Host) -> None:
     for k in reversed(range(STEPS)):
-        assert run(host.load(images[k]), range(k, STEPS)) == rows[k:], f"from the state before step {k}"
+        assert everything(host.load(images[k])) == rows[k], f"in the state before step {k}"
+        assert run(host, range(k, STEPS)) == rows[k + 1 :], f"from the state before step {k}"
 
 
 # --- Co-Simulation ---
@@ -181,7 +182,7 @@ def test_an_instance_goes_on_after_an_error(fmi: int, unpacked: Unpacked) -> Non
         failed = host.take()
         assert "not allowed after an error" in host.refusal(host.step, STEPS * STEP, STEP)
         host.load(images[5])
-        assert run(host, range(5, STEPS)) == rows[5:]
+        assert run(host, range(5, STEPS)) == rows[6:]
         # The state of the error itself is one as well: it can be looked at, not gone on from.
         host.put(failed)
         assert host.get("F_cx") == [1e300]
@@ -218,7 +219,7 @@ def test_another_process_goes_on(fmi: int, unpacked: Unpacked, tmp_path: Path) -
     command = [sys.executable, "-c", script, str(folder), str(tmp_path / "image")]
     done = subprocess.run(command, capture_output=True, cwd=ROOT, timeout=60)
     assert (done.returncode, done.stderr) == (0, b"")
-    assert done.stdout == b"".join(rows[7:])
+    assert done.stdout == b"".join(rows[8:])
 
 
 def test_ten_thousand_links(tmp_path: Path) -> None:
@@ -255,11 +256,12 @@ def test_model_exchange_goes_on_with_the_same_bits(kind: str, fmi: int, unpacked
         first.initialize(M_1=650.0)
         images, rows = [], []
         for k in range(STEPS):
+            rows.append(everything(first))
             images.append(first.save())
-            rows.append(euler(first, k))
+            euler(first, k)
         for k in reversed(range(STEPS)):
-            other.load(images[k])
-            assert [euler(other, j) for j in range(k, STEPS)] == rows[k:]
+            assert everything(other.load(images[k])) == rows[k]
+            assert [everything(other), *(euler(other, j) for j in range(k, STEPS - 1))] == rows[k:]
 
 
 @both

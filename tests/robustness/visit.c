@@ -76,10 +76,10 @@ static void go_back(const States *states, Visit *visit)
 
 void detour(const Api *api, Visit *visit, int k)
 {
-    must_be_ok(visit, api->states->get(visit->component, &visit->state), "getting a state");
     const unsigned asked = visit->asked;
     const Account before = visit->account;
-    visit->account.out = NULL;
+    must_be_ok(visit, api->states->get(visit->component, &visit->state), "getting a state");
+    visit->account = before, visit->account.out = NULL;
     api->step(visit, k);
     const uint64_t first = visit->account.hash;
     go_back(api->states, visit);
