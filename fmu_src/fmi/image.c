@@ -1,5 +1,6 @@
 #include "image.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "../kernel/method.h"
@@ -85,7 +86,6 @@ static void pass_experiment(Stream *stream, Instance *instance)
     pass_mode(stream, instance);
     pass_flag(stream, &instance->start_is_current);
     pass_doubles(stream, &instance->time, 1);
-    pass_doubles(stream, &instance->stop_time, 1);
     pass_doubles(stream, instance->model.parameter, PARAMETER_COUNT);
     pass_doubles(stream, instance->u, INPUT_COUNT);
     pass_int(stream, &instance->u_orders, 0, INPUT_ORDERS);
@@ -322,6 +322,7 @@ void image_read(Instance *instance, const uint8_t *bytes)
     Stream stream = {.way = READING, .in = bytes, .used = sizeof(Header), .is_good = true};
     const Needed needed = pass_members(&stream, instance);
     pass_vectors(&stream, instance, needed);
+    instance->stop_time = INFINITY;  /* who goes on from a state says himself how far */
     instance->linear_is_lent = true; /* what the solver left there was of another state */
     if (memcmp(parameter, instance->model.parameter, sizeof parameter) == 0)
         invalidate_state(instance);

@@ -7,7 +7,9 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+import fmpy
 import numpy as np
 import pytest
 
@@ -278,6 +280,45 @@ def test_model_exchange_comes_back_to_its_mode(fmi: int, unpacked: Unpacked) -> 
         assert "is not allowed in event mode" in host.refusal(host.set_states, host.states())
 
 
+# --- how long a run is ---
+
+
+@both
+def test_a_state_goes_on_beyond_the_stop_time_of_its_run(fmi: int, unpacked: Unpacked) -> None:
+    """The stop time is not part of it: who saves at the end of a run wants to go on later."""
+    with Host(unpacked("load", fmi)) as host:
+        if fmi == 2:
+            host.fmu.setupExperiment(startTime=0.0, stopTime=0.25)
+            host.fmu.enterInitializationMode()
+        else:
+            host.fmu.enterInitializationMode(startTime=0.0, stopTime=0.25)
+        host.fmu.exitInitializationMode()
+        host.step(0.0, 0.25)
+        state = host.take()
+        assert "leads past the stop time" in host.refusal(host.step, 0.25, 0.25)
+        host.put(state)
+        host.step(0.25, 0.25)
+
+
+def test_fmpys_own_simulation_goes_on(unpacked: Unpacked) -> None:
+    """As its users do it: a state in memory, or as bytes, instead of initialization."""
+    folder = str(unpacked("load", 3))
+    options: dict[str, Any] = {"output": ["x_c", "solver.rhs"], "output_interval": 0.125, "set_stop_time": True}
+    whole = fmpy.simulate_fmu(folder, stop_time=1.0, **options)
+    fmu = fmpy.instantiate_fmu(folder, fmpy.read_model_description(folder), "CoSimulation")
+    fmpy.simulate_fmu(folder, fmu_instance=fmu, stop_time=0.5, terminate=False, **options)
+    state = fmu.getFMUState()
+    image = fmu.serializeFMUState(state)
+    later = {"start_time": 0.5, "stop_time": 1.0, **options}
+    for on in (
+        fmpy.simulate_fmu(folder, fmu_state=image, **later),
+        fmpy.simulate_fmu(folder, fmu_instance=fmu, fmu_state=state, terminate=False, **later),
+    ):
+        np.testing.assert_array_equal(on, whole[4:])
+    fmu.terminate()
+    fmu.freeInstance()
+
+
 # --- before a run ---
 
 
@@ -436,4 +477,6 @@ def test_inside_a_step_there_is_no_state(unpacked: Unpacked) -> None:
 
     with Host(unpacked("load", 3), ask=ask) as host:
         host.initialize().step(0.0, STEP)
-    assert refusals == ["fmi3GetFMUState is not allowed inside a communication step (Co-Simulation)"]
+    assert refusals == [
+        "fmi3GetFMUState is not allowed inside a communication step, where inputs are asked for (Co-Simulation)"
+    ]

@@ -16,7 +16,9 @@ SILENT = {"fmi/fmi3.c": ('        log_message(&blank, STATUS_ERROR, "out of memo
 LOST_IMAGE = {"fmi/state.c": ("    free(state->image);\n    free(state);\n", "    free(state);\n")}
 LOST_STATES = {"fmi/instance.c": ("    states_free(instance);\n", "")}
 """A state freed by half; states that nobody freed kept beyond their instance;"""
-LOST_CHAIN = {"fmi/image.c": ("    instance->linear_is_current = false;\n", "")}
+LOST_CHAIN = {
+    "fmi/image.c": ("    instance->linear_is_lent = true; /* what the solver left there was of another state */\n", "")
+}
 LOST_SLOPE = {"fmi/image.c": ("    if (needed.slope) pass_doubles(stream, vectors.slope, states);\n", "")}
 """and parts of the state forgotten."""
 
@@ -40,7 +42,7 @@ def test_silence_would_be_found(tmp_path: Path, words: list[str]) -> None:
 
 
 def test_memory_does_not_grow(shipped_host: Path, words: list[str]) -> None:
-    """100,000 times Instantiate, initialize, Reset and Free; 16 pages of slack for the allocator (host.c)."""
+    """100,000 times Instantiate, initialize, Reset and Free; 64 pages of slack for what counts them (host.c)."""
     result = run(shipped_host, "growth", words, number=100_000)
     assert (result.returncode, result.stderr) == (0, ""), result.stdout
 
