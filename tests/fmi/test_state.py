@@ -176,6 +176,29 @@ def test_steps_that_are_rejected_leave_no_trace(solver: int, fmi: int, unpacked:
 
 
 @both
+@solvers
+def test_derivatives_that_were_asked_for_leave_no_trace(solver: int, fmi: int, unpacked: Unpacked) -> None:
+    """They use the solver's linearised chain for something else, before a state is taken and after it is put back."""
+
+    def ask(host: Host) -> None:
+        unknown, known = host.reference["der(v_m1)"], host.reference["u_m1"]
+        (found,) = host.fmu.getDirectionalDerivative([unknown], [known], [1.0])
+        assert found > 0.0
+
+    with Host(unpacked("load", fmi)) as host:
+        images, rows = run_and_save(start(host, solver, STIFF))
+        for k in range(1, STEPS, 3):
+            host.load(images[k])
+            ask(host)
+            image = host.save()
+            assert image == images[k]
+            host.step(k * STEP, STEP)
+            host.load(image)
+            ask(host)
+            assert run(host, range(k, STEPS)) == rows[k + 1 :]
+
+
+@both
 def test_an_instance_goes_on_after_an_error(fmi: int, unpacked: Unpacked) -> None:
     with Host(unpacked("load", fmi)) as host:
         images, rows = run_and_save(start(host, AUTOMATIC, SOFT))
