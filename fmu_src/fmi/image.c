@@ -77,7 +77,7 @@ static void pass_mode(Stream *stream, Instance *instance)
     const int never = MODE_ASKED | MODE_ACCEPTED | (steps ? MODE_EVENT | MODE_CONTINUOUS : MODE_STEP);
     int mode = (int)instance->mode;
     const int passed = pass_int(stream, &mode, MODE_INSTANTIATED, MODE_ACCEPTED);
-    if ((passed & (passed - 1)) != 0 || passed & never) stream->is_good = false;
+    if (passed < MODE_INSTANTIATED || (passed & (passed - 1)) != 0 || passed & never) stream->is_good = false;
     instance->mode = (Mode)mode;
 }
 
