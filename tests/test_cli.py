@@ -75,6 +75,8 @@ def test_the_version_is_told(command: Command) -> None:
         (["--fmi", "3"], "build/load-fmi3.fmu"),
         (["-o", "my/x.fmu"], "my/x.fmu"),
         (["--twin"], "build/load-twin.fmu"),
+        (["--arrays"], "build/load-fmi3-arrays.fmu"),
+        (["--arrays", "--fmi", "3"], "build/load-fmi3-arrays.fmu"),
     ],
 )
 def test_build_prints_where_it_built(options: list[str], file: str, command: Command) -> None:
@@ -197,6 +199,22 @@ def test_a_state_replaces_its_own_file_and_nothing_else(command: Command) -> Non
     assert Path("x.state").read_bytes() == kept, "a run that failed has no state to go on from"
 
 
+def test_one_fmu_runs_with_any_number_of_links(command: Command) -> None:
+    fmu = command("build", "load.toml", "--arrays").out.strip()
+    assert command("run", fmu, "--set", "n=9", "--record", "theta", "-o", "arrays.csv").status == 0
+    scene = Path("load.toml").read_text().replace("links = 5", "links = 9")
+    Path("nine.toml").write_text(scene)
+    assert command("run", "nine.toml", "--fmi", "3", "--record", "theta", "-o", "scalars.csv").status == 0
+    assert Path("arrays.csv").read_bytes() == Path("scalars.csv").read_bytes()
+    saved = ["--save-state", "x.state", "--stop-time", "0.7", "-o", "start.csv"]
+    assert command("run", fmu, "--set", "n=9", "--record", "theta", *saved).status == 0
+    assert command("run", fmu, "--from-state", "x.state", "--record", "theta", "-o", "rest.csv").status == 0
+    whole, start, rest = (Path(f"{name}.csv").read_text().splitlines() for name in ("arrays", "start", "rest"))
+    assert (start, rest[1:]) == (whole[: len(start)], whole[len(start) - 1 :])
+    assert command("run", fmu, "--set", "n=10001").status == 2
+    assert "set n=10001.0: a whole number of links from 1 to 10000 is expected" in command.err
+
+
 # --- mistakes ---
 
 WRONG = {
@@ -209,6 +227,12 @@ WRONG = {
     ],
     "twins": [
         (["build", "load.toml", "--twin", "--fmi", "3"], "fmi = 3: a twin is an FMU of version 2"),
+    ],
+    "arrays": [
+        (["build", "load.toml", "--arrays", "--fmi", "2"], "fmi = 2: FMI 2 has no arrays; version 3 is expected"),
+        (["build", "load.toml", "--arrays", "--twin"], "arrays: a twin is an FMU of version 2, which has none"),
+        (["build", "load.toml", "--arrays", "--twin", "--fmi", "3"], "fmi = 3: a twin is an FMU of version 2"),
+        (["run", "load.toml", "--set", "n=7"], "set n: there is no such variable"),
     ],
     "scenes": [
         (["run", "free-12-watr"], 'no scene "free-12-watr" ships; the nearest is "free-12-water"'),

@@ -80,7 +80,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     (void)visible, (void)loggingOn;
     Component *component = component_new(instanceName ? instanceName : "", functions);
     if (!component) return NULL;
-    const Host host = {component, log_message, NULL, NULL};
+    const Host host = {component, log_message, NULL, NULL, false};
     const Interface interface = fmuType == fmi2CoSimulation ? CO_SIMULATION : MODEL_EXCHANGE;
     if (fmuType != fmi2CoSimulation && fmuType != fmi2ModelExchange)
         fmi2_refuse(component, "fmi2Instantiate: fmuType is neither fmi2ModelExchange nor fmi2CoSimulation");

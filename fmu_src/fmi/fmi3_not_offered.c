@@ -5,7 +5,6 @@
 #include "fmi3_component.h"
 
 static const char NO_DEPENDENCIES[] = "dependencies do not change; they stand in the model description";
-static const char NO_CONFIGURATION[] = "there are no structural parameters to configure";
 static const char NO_CLOCKS[] = "the cable has no clocks";
 
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference valueReference, size_t *nDependencies)
@@ -21,16 +20,6 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
     (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents,
         (void)dependencyKinds, (void)nDependencies;
     return fmi3_refuse(c, NO_DEPENDENCIES);
-}
-
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance c)
-{
-    return fmi3_refuse(c, NO_CONFIGURATION);
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance c)
-{
-    return fmi3_refuse(c, NO_CONFIGURATION);
 }
 
 fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,

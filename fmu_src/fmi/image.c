@@ -87,6 +87,7 @@ static void pass_experiment(Stream *stream, Instance *instance)
     pass_flag(stream, &instance->start_is_current);
     pass_doubles(stream, &instance->time, 1);
     pass_doubles(stream, instance->model.parameter, PARAMETER_COUNT);
+    if (instance->link) pass_doubles(stream, instance->whole, WHOLE_COUNT);
     pass_doubles(stream, instance->u, INPUT_COUNT);
     pass_int(stream, &instance->u_orders, 0, INPUT_ORDERS);
     for (int order = 0; order < INPUT_ORDERS; order++) pass_doubles(stream, instance->u_derivative[order], INPUT_COUNT);
@@ -324,7 +325,7 @@ void image_read(Instance *instance, const uint8_t *bytes)
     pass_vectors(&stream, instance, needed);
     instance->stop_time = INFINITY;  /* who goes on from a state says himself how far */
     instance->linear_is_lent = true; /* what the solver left there was of another state */
-    if (memcmp(parameter, instance->model.parameter, sizeof parameter) == 0)
+    if (!instance->link && memcmp(parameter, instance->model.parameter, sizeof parameter) == 0)
         invalidate_state(instance);
     else
         invalidate_model(instance);

@@ -135,3 +135,9 @@ void kernel_product(Kernel *kernel, double stiffness, double mass, const double 
     linear_apply(&kernel->model, &kernel->linear, q, NULL, a, force, relation);
     if (kernel->linear.is_held && kernel->linear.held.per_mass > 0.0) add_heavy_end(kernel, relation, force);
 }
+
+/* catenary(), a CatenaryStatus. */
+int kernel_catenary(int n, const double *length, const double *weight, const double *end, double *angle, double *pull)
+{
+    return (int)catenary(n, length, weight, end, angle, pull);
+}

@@ -2,6 +2,7 @@
 #ifndef CABLE_API_H
 #define CABLE_API_H
 
+#include "../kernel/catenary.h"
 #include "../kernel/dynamics.h"
 #include "../kernel/statics.h"
 
@@ -26,5 +27,7 @@ VISIBLE int kernel_rest(Kernel *kernel, const double *u, const double *q, double
 VISIBLE int kernel_factor(Kernel *kernel, double stiffness, double mass);
 VISIBLE void kernel_solve(Kernel *kernel, const double *force, double *change, double *through);
 VISIBLE void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force);
+VISIBLE int kernel_catenary(int n, const double *length, const double *weight, const double *end, double *angle,
+                            double *pull);
 
 #endif

@@ -62,6 +62,14 @@ def build(
         Path | None, Parameter(name=["--output", "-o"], help="File to write; ./build/NAME.fmu by default.")
     ] = None,
     fmi: Annotated[Literal[2, 3] | None, Parameter(help="Version of FMI; 2 by default.")] = None,
+    arrays: Annotated[
+        bool,
+        Parameter(
+            negative=(),
+            help="Link angles and rates as arrays, their number n a structural parameter (FMI 3): "
+            "./build/NAME-fmi3-arrays.fmu.",
+        ),
+    ] = False,
     twin: Annotated[
         bool, Parameter(negative=(), help="Build the reference model instead, in Python: ./build/NAME-twin.fmu.")
     ] = False,
@@ -69,8 +77,10 @@ def build(
     """Build a scene's FMU: Model Exchange and Co-Simulation in one archive."""
     if twin and fmi == 3:
         raise OptionError("fmi = 3: a twin is an FMU of version 2; leave --fmi out, or --twin")
+    if twin and arrays:
+        raise OptionError("arrays: a twin is an FMU of version 2, which has none; leave --arrays out, or --twin")
     loaded = load_scene(scene)
-    print(build_twin(loaded, output) if twin else build_fmu(loaded, output, fmi=fmi or 2))
+    print(build_twin(loaded, output) if twin else build_fmu(loaded, output, fmi=fmi, arrays=arrays))
 
 
 @app.command

@@ -36,7 +36,10 @@ class Driver(Protocol):
     def start(
         self, start: float, stop: float, tolerance: float, numbers: Mapping[int, float], choices: Mapping[int, int]
     ) -> None:
-        """Initialise, with these variables set before: numbers and values of enumerations, by reference."""
+        """Initialise, with these variables set before: numbers and integers (enumerations, sizes), by reference."""
+
+    def resize(self, choices: Mapping[int, int]) -> None:
+        """Set what of these integers are sizes of arrays, before resume()."""
 
     def resume(self, image: bytes) -> None:
         """Instead of start(): on from a state that save() gave."""
@@ -85,6 +88,9 @@ class _Base(ABC):
         if self.fmu is not None and self.fmu.component is not None:
             self.fmu.freeInstance()
             self.fmu = None
+
+    def resize(self, choices: Mapping[int, int]) -> None:  # noqa: B027
+        """Nothing without arrays."""
 
     def failed(self, what: str) -> RunError:
         return RunError(self.messages[-1] if self.messages else f"{what} failed without a message")
@@ -208,6 +214,13 @@ class _Fmi3(_Base):
 
     state_functions = ("getFMUState", "setFMUState", "freeFMUState", "serializeFMUState", "deserializeFMUState")
 
+    def __init__(self, description: Any, feed: Feed) -> None:
+        super().__init__(description, feed)
+        variables = {variable.valueReference: variable for variable in description.modelVariables}
+        self._structural = {reference for reference, v in variables.items() if v.causality == "structuralParameter"}
+        self._size = {reference: int(variables[reference].start) for reference in self._structural}
+        self._dimension = {r: v.dimensions[0].valueReference for r, v in variables.items() if v.dimensions}
+
     def make(self, kind: type, description: Any, interface: Any, folder: str) -> None:
         self.load(kind, description, interface, folder)
 
@@ -219,6 +232,8 @@ class _Fmi3(_Base):
     def start(
         self, start: float, stop: float, tolerance: float, numbers: Mapping[int, float], choices: Mapping[int, int]
     ) -> None:
+        self.resize(choices)
+        choices = {reference: value for reference, value in choices.items() if reference not in self._structural}
         self._call("fmi3SetFloat64", self.fmu.setFloat64, list(numbers), list(numbers.values()))
         self._call("fmi3SetInt64", self.fmu.setInt64, list(choices), list(choices.values()))
         self._call(
@@ -236,7 +251,18 @@ class _Fmi3(_Base):
         """Hook for what an interface does after initialisation."""
 
     def get(self, references: Sequence[int]) -> list[float]:
-        return list(self._call("fmi3GetFloat64", self.fmu.getFloat64, list(references)))
+        count = sum(self._size[self._dimension[r]] if r in self._dimension else 1 for r in references)
+        return list(self._call("fmi3GetFloat64", self.fmu.getFloat64, list(references), count))
+
+    def resize(self, choices: Mapping[int, int]) -> None:
+        """In configuration mode, where arrays get other sizes."""
+        sizes = {reference: value for reference, value in choices.items() if reference in self._structural}
+        if not sizes:
+            return
+        self._call("fmi3EnterConfigurationMode", self.fmu.enterConfigurationMode)
+        self._call("fmi3SetUInt64", self.fmu.setUInt64, list(sizes), list(sizes.values()))
+        self._call("fmi3ExitConfigurationMode", self.fmu.exitConfigurationMode)
+        self._size |= sizes
 
     def set_inputs(self, values: Sequence[float]) -> None:
         self._call("fmi3SetFloat64", self.fmu.setFloat64, self.inputs, list(values))
@@ -367,13 +393,13 @@ class Fmi3ModelExchange(_ModelExchange, _Fmi3):
 
     def __init__(self, description: Any, folder: str, feed: Feed) -> None:
         super().__init__(description, feed)
-        self.number_of_states = description.numberOfContinuousStates
         self.make(fmi3.FMU3Model, description, description.modelExchange, folder)
         _instantiate(self, lambda: self.fmu.instantiate(logMessage=self._log))
 
     def started(self, start: float, tolerance: float) -> None:
         self._call("fmi3UpdateDiscreteStates", self.fmu.updateDiscreteStates)
         self._call("fmi3EnterContinuousTimeMode", self.fmu.enterContinuousTimeMode)
+        self.number_of_states = self._call("fmi3GetNumberOfContinuousStates", self.fmu.getNumberOfContinuousStates)
         self.begin(start, tolerance, lambda time: self._call("fmi3SetTime", self.fmu.setTime, time), {
             "get_states": self.fmu.getContinuousStates, "set_states": self.fmu.setContinuousStates,
             "get_derivatives": self.fmu.getContinuousStateDerivatives,

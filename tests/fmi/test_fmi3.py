@@ -109,8 +109,8 @@ def test_other_types_have_no_variables(kind: str, unpacked: Unpacked) -> None:
         for way in ("Get", "Set"):
             name, reference = f"fmi3{way}{kind}", ctypes.c_uint32(0)
             assert host.raw(name, ctypes.byref(reference), ctypes.c_size_t(1), None, ctypes.c_size_t(1)) == 3
-            says = "the cable has no variables but those of type Float64 and the Enumeration solver"
-            assert host.messages[-1] == says
+            says = "the cable has no variables but those of type Float64, the Enumeration solver"
+            assert host.messages[-1].startswith(says)
             assert host.raw(name, None, ctypes.c_size_t(0), None, ctypes.c_size_t(0)) == 0
 
 

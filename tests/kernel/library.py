@@ -77,6 +77,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_sincos_worst": (_DOUBLE, _INT, _DOUBLE, ctypes.c_uint64),
     "probe_use_avx2": (_INT, _POINTER, _INT),
     "fifth_root": (_DOUBLE, _DOUBLE),
+    "catenary": (_INT, _INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
 }
 """Function -> (type of the result, types of the arguments)."""
 
