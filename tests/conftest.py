@@ -43,6 +43,18 @@ def unpacked_from_equilibrium(tmp_path_factory: pytest.TempPathFactory) -> Unpac
 
 
 @pytest.fixture(scope="session")
+def unpacked_arrays(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """unpacked_arrays(kind): folder of that small scene's FMU whose number of links is a parameter (FMI 3)."""
+    folder = tmp_path_factory.mktemp("fmus-with-arrays")
+
+    @cache
+    def build(kind: str) -> Path:
+        return unpack(small_scene(kind), folder, 3, arrays=True)
+
+    return build
+
+
+@pytest.fixture(scope="session")
 def library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     """Kernel and probe with the release's flags."""
     return load(compile_kernel(tmp_path_factory.mktemp("kernel")))

@@ -18,7 +18,7 @@ from cablefmu.cable import Floats
 from cablefmu.fmu.archive import build_fmu
 from cablefmu.scene import Scene
 
-__all__ = ["KINDS", "SCENES", "Host", "from_equilibrium", "small_scene", "unpack", "with_parameters"]
+__all__ = ["KINDS", "SCENES", "Host", "from_equilibrium", "small_scene", "unpack", "with_links", "with_parameters"]
 
 _CABLE = """
 format = 1
@@ -75,10 +75,15 @@ def from_equilibrium(scene: Scene) -> Scene:
     return Scene.from_text(scene.text.replace("[run]\n", '[run]\ninitial = "equilibrium"\n'), name=scene.name)
 
 
-def unpack(scene: Scene, folder: Path, fmi: int) -> Path:
+def with_links(scene: Scene, n: int) -> Scene:
+    """The same scene, written with so many links."""
+    return Scene.from_text(scene.text.replace("links = 5", f"links = {n}"), name=scene.name)
+
+
+def unpack(scene: Scene, folder: Path, fmi: int, *, arrays: bool = False) -> Path:
     """Build the scene's FMU and unpack it into a folder of its own."""
     target = folder / f"{scene.name}-{fmi}"
-    extract(str(build_fmu(scene, folder / f"{scene.name}-{fmi}.fmu", fmi=fmi)), unzipdir=str(target))
+    extract(str(build_fmu(scene, folder / f"{scene.name}-{fmi}.fmu", fmi=fmi, arrays=arrays)), unzipdir=str(target))
     return target
 
 
@@ -129,6 +134,18 @@ class Host(AbstractContextManager["Host"]):
 
     def __exit__(self, *_: object) -> None:
         self.fmu.freeInstance()
+
+    def configure(self, n: int) -> Host:
+        """As many links, in configuration mode."""
+        self.fmu.enterConfigurationMode()
+        self.fmu.setUInt64([self.reference["n"]], [n])
+        self.fmu.exitConfigurationMode()
+        return self
+
+    def get_array(self, name: str) -> list[float]:
+        """All elements, as many as there are links now."""
+        (n,) = self.fmu.getUInt64([self.reference["n"]])
+        return list(self.fmu.getFloat64([self.reference[name]], n))
 
     def names(self, *causalities: str) -> list[str]:
         return [v.name for v in self.description.modelVariables if v.causality in causalities]
@@ -187,8 +204,13 @@ class Host(AbstractContextManager["Host"]):
             rows.append(self.get(*outputs))
         return np.array(rows)
 
+    def number_of_states(self) -> int:
+        if self.fmi == 2:
+            return int(self.description.numberOfContinuousStates)
+        return int(self.fmu.getNumberOfContinuousStates())
+
     def states(self) -> Floats:
-        x = np.zeros(self.description.numberOfContinuousStates)
+        x = np.zeros(self.number_of_states())
         self.fmu.getContinuousStates(_pointer(x), len(x))
         return x
 
@@ -197,10 +219,44 @@ class Host(AbstractContextManager["Host"]):
         self.fmu.setContinuousStates(_pointer(values), len(values) if count is None else count)
 
     def derivatives(self) -> Floats:
-        dx = np.zeros(self.description.numberOfContinuousStates)
+        dx = np.zeros(self.number_of_states())
         read = self.fmu.getDerivatives if self.fmi == 2 else self.fmu.getContinuousStateDerivatives
         read(_pointer(dx), len(dx))
         return dx
+
+    # --- the complete state: FMPy's names differ between the versions ---
+
+    def take(self) -> Any:
+        return (self.fmu.getFMUstate if self.fmi == 2 else self.fmu.getFMUState)()
+
+    def put(self, state: Any) -> Host:
+        (self.fmu.setFMUstate if self.fmi == 2 else self.fmu.setFMUState)(state)
+        return self
+
+    def free(self, state: Any) -> None:
+        (self.fmu.freeFMUstate if self.fmi == 2 else self.fmu.freeFMUState)(state)
+
+    def image_of(self, state: Any) -> bytes:
+        image = (self.fmu.serializeFMUstate if self.fmi == 2 else self.fmu.serializeFMUState)(state)
+        assert isinstance(image, bytes)
+        return image
+
+    def state_in(self, image: bytes) -> Any:
+        return (self.fmu.deSerializeFMUstate if self.fmi == 2 else self.fmu.deserializeFMUState)(image)
+
+    def save(self) -> bytes:
+        """The present state as bytes."""
+        state = self.take()
+        image = self.image_of(state)
+        self.free(state)
+        return image
+
+    def load(self, image: bytes) -> Host:
+        """On from a state that save() gave."""
+        state = self.state_in(image)
+        self.put(state)
+        self.free(state)
+        return self
 
     def raw(self, function: str, *arguments: Any) -> int:
         """Status of a call that FMPy has no wrapper for, or that must not raise."""

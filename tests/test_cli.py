@@ -75,6 +75,8 @@ def test_the_version_is_told(command: Command) -> None:
         (["--fmi", "3"], "build/load-fmi3.fmu"),
         (["-o", "my/x.fmu"], "my/x.fmu"),
         (["--twin"], "build/load-twin.fmu"),
+        (["--arrays"], "build/load-fmi3-arrays.fmu"),
+        (["--arrays", "--fmi", "3"], "build/load-fmi3-arrays.fmu"),
     ],
 )
 def test_build_prints_where_it_built(options: list[str], file: str, command: Command) -> None:
@@ -165,6 +167,54 @@ def test_a_run_that_fails_ends_with_1_time_and_reason(command: Command) -> None:
     assert "too violent" in json.loads(Path("build/load.csv.json").read_text())["ended_early"]
 
 
+# --- saved states ---
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_a_run_goes_on_from_where_it_was_saved(fmi: str, command: Command) -> None:
+    options = ["run", "load.toml", "--record", "theta"]
+    command(*options, "--fmi", fmi, "--set", "m_c=70", "-o", "whole.csv")
+    command(*options, "--fmi", fmi, "--set", "m_c=70", "--stop-time", "0.7", "--save-state", "x.state", "-o", "a.csv")
+    assert command.out.endswith("results: a.csv, state: x.state\n")
+    command(*options, "--from-state", "x.state", "-o", "b.csv")
+    assert (command.status, command.err) == (0, "")
+    whole, first, second = (Path(name).read_text().splitlines() for name in ("whole.csv", "a.csv", "b.csv"))
+    assert first == whole[: len(first)]
+    assert second == [whole[0], *whole[len(first) - 1 :]]
+    told = json.loads(Path("b.csv.json").read_text())
+    assert (told["fmi"], told["set"]) == (int(fmi), "m_c=70.0"), "as in the saved run"
+
+
+def test_a_state_replaces_its_own_file_and_nothing_else(command: Command) -> None:
+    command("run", "load.toml", "--stop-time", "0.4", "--save-state", "x.state")
+    old, names = Path("x.state").read_bytes(), sorted(p.name for p in Path().iterdir())
+    command("run", "load.toml", "--stop-time", "0.8", "--from-state", "x.state", "--save-state", "x.state")
+    assert command.status == 0
+    assert Path("x.state").read_bytes() != old
+    assert sorted(p.name for p in Path().iterdir()) == names
+    kept = Path("x.state").read_bytes()
+    command("run", "load.toml", "--from-state", "x.state", "--save-state", "x.state", "--set", "F_cx=1e300")
+    assert command.status == 1
+    assert "state:" not in command.out
+    assert Path("x.state").read_bytes() == kept, "a run that failed has no state to go on from"
+
+
+def test_one_fmu_runs_with_any_number_of_links(command: Command) -> None:
+    fmu = command("build", "load.toml", "--arrays").out.strip()
+    assert command("run", fmu, "--set", "n=9", "--record", "theta", "-o", "arrays.csv").status == 0
+    scene = Path("load.toml").read_text().replace("links = 5", "links = 9")
+    Path("nine.toml").write_text(scene)
+    assert command("run", "nine.toml", "--fmi", "3", "--record", "theta", "-o", "scalars.csv").status == 0
+    assert Path("arrays.csv").read_bytes() == Path("scalars.csv").read_bytes()
+    saved = ["--save-state", "x.state", "--stop-time", "0.7", "-o", "start.csv"]
+    assert command("run", fmu, "--set", "n=9", "--record", "theta", *saved).status == 0
+    assert command("run", fmu, "--from-state", "x.state", "--record", "theta", "-o", "rest.csv").status == 0
+    whole, start, rest = (Path(f"{name}.csv").read_text().splitlines() for name in ("arrays", "start", "rest"))
+    assert (start, rest[1:]) == (whole[: len(start)], whole[len(start) - 1 :])
+    assert command("run", fmu, "--set", "n=10001").status == 2
+    assert "set n=10001.0: a whole number of links from 1 to 10000 is expected" in command.err
+
+
 # --- mistakes ---
 
 WRONG = {
@@ -177,6 +227,12 @@ WRONG = {
     ],
     "twins": [
         (["build", "load.toml", "--twin", "--fmi", "3"], "fmi = 3: a twin is an FMU of version 2"),
+    ],
+    "arrays": [
+        (["build", "load.toml", "--arrays", "--fmi", "2"], "fmi = 2: FMI 2 has no arrays; version 3 is expected"),
+        (["build", "load.toml", "--arrays", "--twin"], "arrays: a twin is an FMU of version 2, which has none"),
+        (["build", "load.toml", "--arrays", "--twin", "--fmi", "3"], "fmi = 3: a twin is an FMU of version 2"),
+        (["run", "load.toml", "--set", "n=7"], "set n: there is no such variable"),
     ],
     "scenes": [
         (["run", "free-12-watr"], 'no scene "free-12-watr" ships; the nearest is "free-12-water"'),
@@ -212,6 +268,13 @@ WRONG = {
         (["run", "load.toml", "--set"], "set: at least one value is expected behind it"),
         (["run", "load.toml", "--record"], "record: at least one value is expected behind it"),
         (["run", "load.toml", "--record", "thet"], "record thet: there is no such variable; did you mean theta?"),
+    ],
+    "states": [
+        (["run", "load.toml", "--from-state", "none.state"], "none.state: cannot be read (No such file or directory)"),
+        (["run", "load.toml", "--from-state", "foreign.fmu"], "foreign.fmu: is not a saved state; a file from"),
+        (["run", "load.toml", "--save-state", "."], ".: is a folder, a file name is expected"),
+        (["run", "load.toml", "--interface", "me", "--save-state", "x.csv"],
+         "save state = x.csv: in Model Exchange CVode integrates, and what it remembers cannot be saved; Co-"),
     ],
     "files": [
         (["run", "load.toml", "-o", "x.txt"], "output = x.txt: a name that ends with .csv or .nc is expected"),

@@ -23,7 +23,7 @@ from tests.fmu_helpers import small_scene
 from tests.kernel.resting import cable_of, end_jacobian, missing_forces, start, tangent_stiffness
 from tests.random_cables import KINDS, random_inputs
 
-API = Path(__file__).parents[1] / "fmu_src" / "kernel_api" / "api.c"
+API = Path(__file__).parents[1] / "fmu_src" / "kernel_api" / "api.h"
 FREE = [k for k, (terminal, *_) in enumerate(KINDS) if terminal is not Terminal.ANCHOR_MASS]
 """An anchor of mass rests as a pin; see tests/test_statics.py"""
 

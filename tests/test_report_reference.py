@@ -35,15 +35,19 @@ def test_two_solvers_on_two_right_hand_sides_agree(kind: str) -> None:
     assert (found.horizon.time, found.horizon.is_chaotic) == (2.0, False)
 
 
-def test_a_wrong_right_hand_side_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The dense model with a thousandth more drag: the difference says that the reference is good for nothing."""
+def test_a_wrong_right_hand_side_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The dense model with a thousandth more drag; whoever asks for less is told what the reference is good to."""
     from cablefmu.reference import model
     from cablefmu.reference.drag import drag_vector
 
     with fmu_runs(small_scene("load")) as runs:
         good = trusted(runs, 1e-4, 60.0).difference.position
         monkeypatch.setattr(model, "drag_vector", lambda *given: 1.001 * drag_vector(*given))
-        bad = trusted(runs, 1e-4, 60.0).difference.position
+        with pytest.raises(
+            RunError, match=r"no reference is to be trusted: the FMU at 1e-11 and the dense NumPy model"
+        ):
+            trusted(runs, 1e-4, 60.0)
+        bad = trusted(runs, 1.0, 60.0).difference.position
     assert bad > 1e-5 > 1e5 * good
 
 

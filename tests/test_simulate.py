@@ -20,7 +20,7 @@ from cablefmu.scene import Scene
 from cablefmu.signals import Constant
 from cablefmu.simulate import simulate
 from tests.fmu.test_archive import rewrite
-from tests.fmu_helpers import KINDS, SCENES, from_equilibrium, small_scene, with_parameters
+from tests.fmu_helpers import KINDS, SCENES, from_equilibrium, small_scene, with_links, with_parameters
 
 WAYS = [(2, "cs"), (2, "me"), (3, "cs"), (3, "me")]
 SINE = '{ signal = "sine", amplitude = 800, frequency = 0.5 }'
@@ -283,3 +283,92 @@ def test_the_reason_is_a_sentence() -> None:
     with pytest.raises(RunError, match=r"doStep ended at t = 0 s: .* the motion is too violent") as ended:
         simulate(small_scene("load"), parameters={"F_cx": 1e300})
     assert ended.value.time == 0.0
+
+
+# --- FMUs with arrays ---
+
+
+@pytest.fixture(scope="module")
+def with_arrays(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("arrays")
+    return {kind: build_fmu(small_scene(kind), folder / f"{kind}.fmu", arrays=True) for kind in ("load", "floater")}
+
+
+@pytest.mark.parametrize("interface", ["cs", "me"])
+@pytest.mark.parametrize("kind", ["load", "floater"])
+def test_arrays_are_recorded_link_by_link(kind: str, interface: str, with_arrays: dict[str, Path]) -> None:
+    """To the bit what the scene with as many links gives, coordinates and names included."""
+    record = ["omega", "theta", "der(omega[7])"]
+    found = simulate(with_arrays[kind], interface=interface, parameters={"n": 7, "M_1": 650.0}, record=record)
+    scene = with_links(small_scene(kind), 7)
+    expected = simulate(scene, fmi=3, interface=interface, parameters={"M_1": 650.0}, record=record)
+    xr.testing.assert_identical(found.drop_attrs(), expected.drop_attrs())
+    assert {n: v.attrs for n, v in found.variables.items()} == {n: v.attrs for n, v in expected.variables.items()}
+    assert found["theta"].dims == ("time", "link")
+    assert (found.attrs["fmi"], found.attrs["set"]) == (3, "n=7 M_1=650.0")
+
+
+def test_single_elements_are_recorded(with_arrays: dict[str, Path]) -> None:
+    every = simulate(with_arrays["load"], stop_time=0.5, record=["theta"])
+    some = simulate(with_arrays["load"], stop_time=0.5, record=["theta[4]", "der(theta[2])", "theta[2]"])
+    np.testing.assert_array_equal(some["theta[4]"], every["theta"][:, 3])
+    np.testing.assert_array_equal(some["theta[2]"], every["theta"][:, 1])
+    assert some["der(theta[2])"].attrs["long_name"].startswith("Time derivative of theta[2]")
+
+
+def test_the_cable_that_was_set_is_the_one_of_the_results(with_arrays: dict[str, Path]) -> None:
+    given = {"n": 8, "L": 16.0, "theta_start": 0.0, "EI": 800.0}
+    found = simulate(with_arrays["load"], stop_time=0.2, parameters=given, record=["theta", "modes"])
+    np.testing.assert_array_equal(found["link_length"], np.full(8, 2.0))
+    assert float(found["y_c"][0]) == 16.0
+    text = SCENES["load"].replace("links = 5", "links = 8").replace("length = 20", "length = 16")
+    text = text.replace("young_modulus = 8e10", "joint_stiffness = 400").replace("angle = 0.5", "angle = 0.0")
+    static_load = small_scene("load").cable.parameters["static_load"]
+    written = Scene.from_text(
+        text.replace("damping = 240\n", f"damping = 240\nstatic_load = {static_load!r}\n"), name="x"
+    )
+    expected = simulate(written, fmi=3, stop_time=0.2, record=["modes"])
+    np.testing.assert_array_equal(found["frequency"], expected["frequency"])
+    np.testing.assert_array_equal(found["x_c"], expected["x_c"])
+
+
+def test_modes_are_those_of_the_cable_that_was_set(with_arrays: dict[str, Path]) -> None:
+    """Where preloads follow gravity, the equilibrium does as well."""
+    given = {"n": 8, "g": 12.0, "rho_w": 900.0}
+    found = simulate(with_arrays["floater"], stop_time=0.2, parameters=given, record=["modes"])
+    text = "gravity = 12.0\n" + SCENES["floater"].replace("links = 5", "links = 8")
+    written = Scene.from_text(text.replace("[water]\n", "[water]\ndensity = 900.0\n"), name="floater")
+    expected = simulate(written, fmi=3, stop_time=0.2, record=["modes"])
+    np.testing.assert_array_equal(found["frequency"], expected["frequency"])
+    np.testing.assert_array_equal(found["x_c"], expected["x_c"])
+
+
+WRONG_FOR_ARRAYS: list[tuple[dict[str, Any], str]] = [
+    ({"parameters": {"n": 0}}, "set n=0: a whole number of links from 1 to 10000 is expected"),
+    ({"parameters": {"n": 2.5}}, "set n=2.5: a whole number of links from 1 to 10000 is expected"),
+    ({"parameters": {"n": math.nan}}, "set n=nan: a whole number of links from 1 to 10000 is expected"),
+    ({"parameters": {"n": "many"}}, "set n=many: a whole number of links from 1 to 10000 is expected"),
+    ({"parameters": {"L": -1.0}}, r"set L=-1.0: a number above 0 \[m\] is expected"),
+    ({"parameters": {"L": 1e-300}}, r"set L=1e-300: a number from 1e-12 to 1e\+15 \[m\] is expected"),
+    ({"parameters": {"theta_start": math.inf}}, r"set theta_start=inf: a finite number \[rad\] is expected"),
+    ({"parameters": {"theta": 0.1}}, "set theta: it is calculated and cannot be set"),
+    ({"parameters": {"theta[1]": 0.1}}, r"set theta\[1\]: there is no such variable"),
+    ({"record": ["n"]}, "record n: it is a fixed choice, not a number over time"),
+    ({"record": ["theta[6]"]}, r"record theta\[6\]: there is no such variable"),
+]
+
+
+@pytest.mark.parametrize(("options", "says"), WRONG_FOR_ARRAYS)
+def test_mistakes_with_arrays(options: dict[str, Any], says: str, with_arrays: dict[str, Path]) -> None:
+    with pytest.raises(OptionError, match=says):
+        simulate(with_arrays["load"], **options)
+
+
+def test_too_few_links_between_two_ports(with_arrays: dict[str, Path]) -> None:
+    with pytest.raises(SceneError, match="no rest shape of these links joins the ports"):
+        simulate(with_arrays["floater"], parameters={"n": 1})
+
+
+def test_only_arrays_have_a_number_of_links() -> None:
+    with pytest.raises(OptionError, match="set n: there is no such variable"):
+        simulate(small_scene("load"), fmi=3, parameters={"n": 7})

@@ -11,9 +11,11 @@ import pytest
 
 from cablefmu import stress
 from cablefmu.scene import Scene
-from cablefmu.stress_grid import grid
+from cablefmu.stress_baseline import Measured, baseline
+from cablefmu.stress_grid import Case, grid
 from cablefmu.stress_verdict import Row
 from tests.test_cli import Command, command  # noqa: F401  (a fixture)
+from tests.test_stress_run import Killed, case_of
 
 SHORT_LIMIT = 60.0
 """[s] of processor time, and so of time on a machine that does nothing else."""
@@ -59,6 +61,46 @@ def test_what_failed_is_named_and_the_status_is_1(command: Command, monkeypatch:
     assert json.loads(Path("build/stress/stress.json").read_text())["cases"][1]["verdict"] == "hang"
 
 
+def test_a_worker_that_is_killed_costs_its_case_alone() -> None:
+    cases = [case_of("cable.links = 2", kind) for kind in (Case, Killed, Case)]
+    rows = list(stress.rows_of(cases, 1, {}))
+    assert [row.verdict for row in rows] == ["within tolerance", "crash", "within tolerance"]
+    assert rows[1].message.startswith("the worker died: killed by SIGKILL")
+
+
+def test_a_mistake_of_the_verdict_costs_its_case_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    def judge(case: Case, *_: object) -> Row:
+        if case.name == "links-2":
+            raise ZeroDivisionError
+        return Row(case, "within tolerance")
+
+    monkeypatch.setattr(stress, "judge", judge)
+    rows = list(stress.rows_of([case for case in grid() if case.name in ("links-2", "links-3")], 2, {}))
+    assert [row.verdict for row in rows] == ["crash", "within tolerance"]
+    assert "ZeroDivisionError" in rows[0].message
+
+
+def test_what_the_whole_grid_measured_is_written(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: F811
+    asked = []
+
+    def judge(case: Case, _ask: object, _folder: object, measured: Measured | None) -> Row:
+        asked.append(measured)
+        return (
+            Row(case, "clean error")
+            if case.fails
+            else Row(case, "within tolerance", figures={"steps": 7.0}, ratio=2e-3, energy=3e-4)
+        )
+
+    monkeypatch.setattr(stress, "judge", judge)
+    assert command("stress", "--record", "measured.csv").status == 0
+    names = [case.name for case in grid() if not case.fails]
+    lines = Path("measured.csv").read_text(encoding="utf-8").splitlines()
+    assert lines == ["case,position,energy,steps", *(f"{name},2.0e-03,3.0e-04,7" for name in names)]
+    assert set(asked) == {None}, "compared with nothing measured"
+    assert command("stress", "--short").status == 0
+    assert asked[-1] == baseline()["equilibrium-pin"]
+
+
 def test_a_group_and_a_pattern_choose_cases(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: F811
     monkeypatch.setattr(stress, "judge", lambda case, *_: Row(case, "within tolerance"))
     group = [case.name for case in grid() if case.group == "step"]
@@ -84,6 +126,8 @@ def test_the_table_of_the_whole_grid_is_written(command: Command, monkeypatch: p
         (["--show", "link-2"], "show link-2: there is no such case; did you mean links-2"),
         (["--show", "links-2", "--short"], "show: it goes with no other option"),
         (["--markdown", "table.md", "--short"], "markdown: the table is that of the whole grid"),
+        (["--record", "table.csv", "--only", "links"], "record: the table is that of the whole grid"),
+        (["--record", "table.md"], "record = table.md: a name that ends with .csv is expected"),
         (["--markdown", "table.txt"], "markdown = table.txt: a name that ends with .md is expected"),
         (["--jobs", "0"], "jobs = 0: 1 to 256 are expected"),
         (["--nonsense"], "Unknown option: "),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
+import signal
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -31,6 +33,14 @@ class Dying(Case):
 
     def scene(self) -> Scene:
         os._exit(3)
+
+
+class Killed(Case):
+    """Its process is killed, as by a system that is out of memory."""
+
+    def scene(self) -> Scene:
+        os.kill(os.getpid(), signal.SIGKILL)
+        raise AssertionError
 
 
 class Buggy(Case):
@@ -111,8 +121,38 @@ def test_a_hang_is_told_and_the_next_run_is_served(worker: Worker, fmu: Path) ->
 
 def test_a_crash_is_told_and_the_next_run_is_served(worker: Worker, fmu: Path) -> None:
     answer = worker.ask(Request(case_of("cable.links = 4", Dying), fmu), GENEROUS)
-    assert (answer.outcome, answer.message) == ("crash", "the process ended with status 3")
+    assert (answer.outcome, answer.message) == ("crash", "the worker died: it ended with status 3")
     assert worker.ask(Request(case_of("cable.links = 4"), fmu), GENEROUS).outcome == "ended"
+
+
+def test_a_worker_that_the_system_kills_is_told_and_the_next_run_is_served(worker: Worker, fmu: Path) -> None:
+    answer = worker.ask(Request(case_of("cable.links = 4", Killed), fmu), GENEROUS)
+    assert answer.outcome == "crash"
+    assert answer.message == "the worker died: killed by SIGKILL, by the system for want of memory perhaps"
+    assert worker.ask(Request(case_of("cable.links = 4"), fmu), GENEROUS).outcome == "ended"
+
+
+def test_an_idle_worker_that_is_killed_is_told_at_the_next_request(fmu: Path) -> None:
+    others, worker = set(multiprocessing.active_children()), Worker()
+    try:
+        worker.ask(Request(case_of("cable.links = 4"), fmu), GENEROUS)
+        (process,) = set(multiprocessing.active_children()) - others
+        assert process.pid is not None
+        os.kill(process.pid, signal.SIGKILL)
+        process.join(GENEROUS)
+        answer = worker.ask(Request(case_of("cable.links = 4"), fmu), GENEROUS)
+        assert (answer.outcome, answer.message[:34]) == ("crash", "the worker died: killed by SIGKILL")
+        assert worker.ask(Request(case_of("cable.links = 4"), fmu), GENEROUS).outcome == "ended"
+    finally:
+        worker.close()
+
+
+def test_the_largest_force_is_told(fmu: Path) -> None:
+    """That of a sine of 50 Hz as well, which is zero at all output times."""
+    sine = 'inputs.u_m1 = { signal = "sine", amplitude = "1e6 N", frequency = "50 Hz" }'
+    assert answer_to(Request(case_of(f"cable.links = 3, {sine}"), fmu)).figures["force"] == pytest.approx(1e6, rel=0.01)
+    pull = answer_to(Request(case_of("cable.links = 4"), fmu.with_name("other.fmu"))).figures["force"]
+    assert 500.0 < pull < 1e5  # a cable of 240 m and 60 kg that falls
 
 
 def test_what_is_no_message_to_a_user_is_a_crash(worker: Worker, fmu: Path) -> None:

@@ -3,33 +3,13 @@
 
 #include "instance.h"
 
-#define PARAMETER(name, unit, least, description) {#name, #least},
-static const struct {
-    const char *name, *least; /* "-inf", "0", or "+0" for above zero */
-} PARAMETER_INFO[] = {
-#include "../kernel/variables.def"
-};
-
-#define OUTPUT(name, unit, nominal, description) #name,
-static const char *const OUTPUT_NAME[] = {
-#include "../kernel/variables.def"
-};
-
-#define SOLVER(name, unit, description) "solver." #name,
-static const char *const SOLVER_NAME[] = {
-#include "../kernel/variables.def"
-};
-
-#define STATICS(name, unit, description) "statics." #name,
-static const char *const STATICS_NAME[] = {
-#include "../kernel/variables.def"
-};
-
 enum { FIRST_CHOICE = 1 }; /* hosts count the items of an enumeration from 1 */
 
-static const char NOT_A_NUMBER[] = "it is an enumeration, read and set as an integer (fmi2GetInteger and "
-                                   "fmi2SetInteger, fmi3GetInt64 and fmi3SetInt64)";
-static const char NOT_A_CHOICE[] =
+/* How a variable is read and set, for whoever takes it for one of another type. */
+static const char IS_CHOICE[] = "it is an enumeration, read and set as an integer (fmi2GetInteger and "
+                                "fmi2SetInteger, fmi3GetInt64 and fmi3SetInt64)";
+static const char IS_LINKS[] = "it is a whole number, read and set as such (fmi3GetUInt64 and fmi3SetUInt64)";
+static const char IS_REAL[] =
     "it is a real number, read and set as such (fmi2GetReal and fmi2SetReal, fmi3GetFloat64 and fmi3SetFloat64)";
 static const char TOO_LATE[] = "parameters and start values are fixed once initialization has ended";
 
@@ -46,29 +26,33 @@ const Variable *instance_variable(Instance *instance, uint32_t reference)
     return NULL;
 }
 
+static const char *type_of(const Variable *variable)
+{
+    switch (variable->kind) {
+    case VARIABLE_SOLVER_CHOICE: return IS_CHOICE;
+    case VARIABLE_LINKS: return IS_LINKS;
+    default: return IS_REAL;
+    }
+}
+
+Span instance_span(const Instance *instance, const Variable *variable)
+{
+    const size_t index = variable->index;
+    if (!instance->link || (variable->kind != VARIABLE_STATE && variable->kind != VARIABLE_DERIVATIVE))
+        return (Span){index, 1};
+    const size_t n = (size_t)instance->model.n;
+    const Span span[ARRAY_COUNT] = {{0, 1}, {1, n}, {n + 1, 1}, {n + 2, n}};
+    return span[index];
+}
+
+double *instance_start(Instance *instance)
+{
+    return instance->guess ? instance->guess : instance->x;
+}
+
 static bool is_tension(uint32_t output)
 {
     return output == Y_tension_top || output == Y_tension_end || output == Y_tension_max;
-}
-
-void text_variable(Text *text, const Instance *instance, const Variable *variable)
-{
-    const uint32_t index = variable->index;
-    switch ((VariableKind)variable->kind) {
-    case VARIABLE_PARAMETER: text_add(text, PARAMETER_INFO[index].name); break;
-    case VARIABLE_INPUT: text_add(text, INPUT_NAME[index]); break;
-    case VARIABLE_OUTPUT: text_add(text, OUTPUT_NAME[index]); break;
-    case VARIABLE_SOLVER: text_add(text, SOLVER_NAME[index]); break;
-    case VARIABLE_STATICS: text_add(text, STATICS_NAME[index]); break;
-    case VARIABLE_SOLVER_CHOICE: text_add(text, "solver"); break;
-    case VARIABLE_STATE: text_state(text, instance, index); break;
-    case VARIABLE_DERIVATIVE:
-        text_add(text, "der(");
-        text_state(text, instance, index);
-        text_add(text, ")");
-        break;
-    default: text_add(text, "time");
-    }
 }
 
 /* "NAME = VALUE at t = TIME s: what is expected"; without a value where none was given. */
@@ -105,7 +89,8 @@ static bool get_health(Instance *instance, uint32_t index, double *value)
     return true;
 }
 
-static bool get_one(Instance *instance, const Variable *variable, double *value)
+/* value[1], or of an array as many as it has. */
+static bool get_one(Instance *instance, const Variable *variable, Span span, double *value)
 {
     switch (variable->kind) {
     case VARIABLE_TIME: *value = instance->time; return true;
@@ -113,17 +98,23 @@ static bool get_one(Instance *instance, const Variable *variable, double *value)
     case VARIABLE_INPUT: *value = instance->u[variable->index]; return true;
     case VARIABLE_STATE:
         if (!refresh_start(instance)) return false;
-        *value = instance->x[variable->index];
+        memcpy(value, instance->x + span.first, span.count * sizeof *value);
+        return true;
+    case VARIABLE_PRELOAD:
+        if (!refresh_start(instance)) return false;
+        *value = instance->model.parameter[variable->index];
         return true;
     case VARIABLE_STATICS:
         if (!refresh_start(instance)) return false;
         *value = instance->statics[variable->index];
         return true;
-    case VARIABLE_SOLVER_CHOICE: return refuse(instance, variable, NULL, NOT_A_NUMBER) == STATUS_OK;
+    case VARIABLE_SOLVER_CHOICE:
+    case VARIABLE_LINKS: return refuse(instance, variable, NULL, type_of(variable)) == STATUS_OK;
+    case VARIABLE_WHOLE: *value = instance->whole[variable->index]; return true;
     case VARIABLE_SOLVER: return get_health(instance, variable->index, value);
     case VARIABLE_DERIVATIVE:
         if (!refresh_derivatives(instance)) return false;
-        *value = instance->derivative[variable->index];
+        memcpy(value, instance->derivative + span.first, span.count * sizeof *value);
         return true;
     default:
         if (!refresh_outputs(instance, is_tension(variable->index))) return false;
@@ -136,18 +127,48 @@ Status instance_get(Instance *instance, const uint32_t *references, size_t count
 {
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = instance_variable(instance, references[k]);
-        if (!variable || !get_one(instance, variable, &values[k])) return STATUS_ERROR;
-        if (!isfinite(values[k]))
-            return refuse_value(instance, variable, values[k], "forces or rates are beyond the range of numbers");
+        if (!variable) return STATUS_ERROR;
+        const Span span = instance_span(instance, variable);
+        if (!get_one(instance, variable, span, values)) return STATUS_ERROR;
+        for (size_t i = 0; i < span.count; i++)
+            if (!isfinite(values[i]))
+                return refuse_value(instance, variable, values[i], "forces or rates are beyond the range of numbers");
+        values += span.count;
     }
     return STATUS_OK;
+}
+
+Status instance_count(Instance *instance, const uint32_t *references, size_t count, size_t *values)
+{
+    *values = count;
+    if (!instance->link) return STATUS_OK;
+    for (size_t k = 0; k < count; k++) {
+        const Variable *variable = instance_variable(instance, references[k]);
+        if (!variable) return STATUS_ERROR;
+        *values += instance_span(instance, variable).count - 1;
+    }
+    return STATUS_OK;
+}
+
+/* Of a cable that is divided anew, the states of links follow from its shape until the run begins. */
+static bool is_settable(const Instance *instance, const Variable *variable)
+{
+    switch (variable->kind) {
+    case VARIABLE_PARAMETER:
+    case VARIABLE_INPUT:
+    case VARIABLE_WHOLE: return true;
+    case VARIABLE_STATE:
+        return !instance->link || variable->index == ARRAY_HEAVE || variable->index == ARRAY_HEAVE_RATE ||
+               !(instance->mode & MODE_SETUP);
+    default: return false;
+    }
 }
 
 /* Whether the variable may be set now, and to this value. */
 static Status check(Instance *instance, const Variable *variable, double value)
 {
-    if (variable->kind == VARIABLE_SOLVER_CHOICE) return refuse_value(instance, variable, value, NOT_A_NUMBER);
-    if (variable->kind != VARIABLE_PARAMETER && variable->kind != VARIABLE_INPUT && variable->kind != VARIABLE_STATE)
+    if (type_of(variable) != IS_REAL) return refuse_value(instance, variable, value, type_of(variable));
+    if (!is_settable(instance, variable))
         return refuse_value(instance, variable, value, "it is calculated and cannot be set");
     if (!isfinite(value)) return refuse_value(instance, variable, value, "a finite number is expected");
     if (variable->kind == VARIABLE_INPUT) return STATUS_OK;
@@ -156,7 +177,7 @@ static Status check(Instance *instance, const Variable *variable, double value)
     const unsigned modes = is_state ? MODE_SETUP | MODE_EVENT | MODE_CONTINUOUS : MODE_SETUP;
     if (!(instance->mode & modes)) return refuse_value(instance, variable, value, TOO_LATE);
     if (is_state) return STATUS_OK;
-    const char *least = PARAMETER_INFO[variable->index].least;
+    const char *least = least_of(variable);
     if (strcmp(least, "+0") == 0 && !(value > 0.0))
         return refuse_value(instance, variable, value, "a number above 0 is expected");
     if (strcmp(least, "0") == 0 && value < 0.0)
@@ -164,26 +185,46 @@ static Status check(Instance *instance, const Variable *variable, double value)
     return STATUS_OK;
 }
 
-Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values)
+static double *place_of(Instance *instance, VariableKind kind)
+{
+    switch (kind) {
+    case VARIABLE_PARAMETER: return instance->model.parameter;
+    case VARIABLE_WHOLE: return instance->whole;
+    case VARIABLE_INPUT: return instance->u;
+    default: return instance->mode & MODE_SETUP ? instance_start(instance) : instance->x;
+    }
+}
+
+static Status check_all(Instance *instance, const uint32_t *references, size_t count, const double *values)
 {
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = instance_variable(instance, references[k]);
-        if (variable && check(instance, variable, values[k]) == STATUS_OK) continue;
+        if (!variable) return STATUS_ERROR;
+        const Span span = instance_span(instance, variable);
+        for (size_t i = 0; i < span.count; i++)
+            if (check(instance, variable, values[i]) != STATUS_OK) return STATUS_ERROR;
+        values += span.count;
+    }
+    return STATUS_OK;
+}
+
+Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values)
+{
+    if (check_all(instance, references, count, values) != STATUS_OK) {
         /* Inside a step, going on with the force of an earlier time would be a wrong result. */
         if (instance->mode & (MODE_ASKED | MODE_ACCEPTED)) instance->mode = MODE_FAILED;
         return STATUS_ERROR;
     }
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = &instance->resource.variable[references[k]];
-        if (variable->kind == VARIABLE_PARAMETER) {
-            instance->model.parameter[variable->index] = values[k];
+        const Span span = instance_span(instance, variable);
+        double *place = place_of(instance, (VariableKind)variable->kind);
+        memcpy(place + span.first, values, span.count * sizeof *values);
+        values += span.count;
+        if (variable->kind == VARIABLE_PARAMETER || variable->kind == VARIABLE_WHOLE)
             invalidate_model(instance);
-        } else {
-            double *states = instance->guess && instance->mode & MODE_SETUP ? instance->guess : instance->x;
-            double *place = variable->kind == VARIABLE_INPUT ? instance->u : states;
-            place[variable->index] = values[k];
+        else
             invalidate_state(instance);
-        }
     }
     if (instance->mode & MODE_SETUP) instance->start_is_current = false;
     return STATUS_OK;
@@ -193,8 +234,37 @@ static const Variable *lookup_choice(Instance *instance, uint32_t reference, con
 {
     const Variable *variable = instance_variable(instance, reference);
     if (!variable || variable->kind == VARIABLE_SOLVER_CHOICE) return variable;
-    refuse(instance, variable, value, NOT_A_CHOICE);
+    refuse(instance, variable, value, type_of(variable));
     return NULL;
+}
+
+static const Variable *lookup_links(Instance *instance, uint32_t reference, const Text *value)
+{
+    const Variable *variable = instance_variable(instance, reference);
+    if (!variable || variable->kind == VARIABLE_LINKS) return variable;
+    refuse(instance, variable, value, type_of(variable));
+    return NULL;
+}
+
+Status instance_get_links(Instance *instance, uint32_t reference, uint64_t *value)
+{
+    if (!lookup_links(instance, reference, NULL)) return STATUS_ERROR;
+    *value = (uint64_t)instance->model.n;
+    return STATUS_OK;
+}
+
+Status instance_check_links(Instance *instance, uint32_t reference, uint64_t value)
+{
+    Text number;
+    text_start(&number);
+    text_integer(&number, value);
+    const Variable *variable = lookup_links(instance, reference, &number);
+    if (!variable) return STATUS_ERROR;
+    if (instance->mode != MODE_CONFIGURATION)
+        return refuse(instance, variable, &number, "it is set in configuration mode (fmi3EnterConfigurationMode)");
+    if (value < 1 || value > MOST_LINKS)
+        return refuse(instance, variable, &number, "a number of links from 1 to 10000 is expected");
+    return STATUS_OK;
 }
 
 Status instance_get_choice(Instance *instance, uint32_t reference, int64_t *value)

@@ -94,9 +94,12 @@ static bool check_unknowns(Instance *instance, References unknowns)
 static bool check_seeds(Instance *instance, References references, const double *seed)
 {
     for (size_t k = 0; k < references.count; k++) {
-        if (isfinite(seed[k])) continue;
-        refuse(instance, instance_variable(instance, references.reference[k]), "its seed must be a finite number");
-        return false;
+        const Variable *variable = &instance->resource.variable[references.reference[k]];
+        for (size_t left = instance_span(instance, variable).count; left > 0; left--) {
+            if (isfinite(*seed++)) continue;
+            refuse(instance, variable, "its seed must be a finite number");
+            return false;
+        }
     }
     return true;
 }
@@ -117,11 +120,11 @@ static Changes no_changes(const Instance *instance)
 }
 
 /* NULL for what has none. */
-static double *place_of(Changes *changes, const Variable *variable)
+static double *place_of(Changes *changes, const Variable *variable, Span span)
 {
     switch (variable->kind) {
-    case VARIABLE_STATE: return &changes->of_states[variable->index];
-    case VARIABLE_DERIVATIVE: return &changes->of_derivatives[variable->index];
+    case VARIABLE_STATE: return &changes->of_states[span.first];
+    case VARIABLE_DERIVATIVE: return &changes->of_derivatives[span.first];
     case VARIABLE_INPUT: return &changes->of_inputs[variable->index];
     case VARIABLE_OUTPUT: return &changes->of_outputs[variable->index];
     default: return NULL;
@@ -138,16 +141,22 @@ static bool has_output(const Instance *instance, References references)
 static void add_seeds(const Instance *instance, Changes *changes, References references, const double *seed)
 {
     for (size_t k = 0; k < references.count; k++) {
-        double *place = place_of(changes, &instance->resource.variable[references.reference[k]]);
-        if (place) *place += seed[k];
+        const Variable *variable = &instance->resource.variable[references.reference[k]];
+        const Span span = instance_span(instance, variable);
+        double *place = place_of(changes, variable, span);
+        for (size_t i = 0; place && i < span.count; i++) place[i] += seed[i];
+        seed += span.count;
     }
 }
 
 static void take_results(const Instance *instance, Changes *changes, References references, double *result)
 {
     for (size_t k = 0; k < references.count; k++) {
-        const double *place = place_of(changes, &instance->resource.variable[references.reference[k]]);
-        result[k] = place ? *place : 0.0;
+        const Variable *variable = &instance->resource.variable[references.reference[k]];
+        const Span span = instance_span(instance, variable);
+        const double *place = place_of(changes, variable, span);
+        for (size_t i = 0; i < span.count; i++) result[i] = place ? place[i] : 0.0;
+        result += span.count;
     }
 }
 

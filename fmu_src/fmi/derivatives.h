@@ -4,17 +4,17 @@
 
 #include "instance.h"
 
-/* Unknowns, and what they are taken by: `count` references each with a value for every one. */
+/* Unknowns, and what they are taken by: `count` references, each with a value, or with as many as an array has. */
 typedef struct {
     const uint32_t *reference;
     size_t count;
 } References;
 
-/* sensitivity[unknowns.count] = dy/dx seed[knowns.count] */
+/* sensitivity of every unknown = dy/dx seed of every known */
 Status instance_directional(Instance *instance, References unknowns, References knowns, const double *seed,
                             double *sensitivity);
 
-/* sensitivity[knowns.count] = (dy/dx)^T seed[unknowns.count] */
+/* sensitivity of every known = (dy/dx)^T seed of every unknown */
 Status instance_adjoint(Instance *instance, References unknowns, References knowns, const double *seed,
                         double *sensitivity);
 

@@ -80,7 +80,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     (void)visible, (void)loggingOn;
     Component *component = component_new(instanceName ? instanceName : "", functions);
     if (!component) return NULL;
-    const Host host = {component, log_message, NULL, NULL};
+    const Host host = {component, log_message, NULL, NULL, false};
     const Interface interface = fmuType == fmi2CoSimulation ? CO_SIMULATION : MODEL_EXCHANGE;
     if (fmuType != fmi2CoSimulation && fmuType != fmi2ModelExchange)
         fmi2_refuse(component, "fmi2Instantiate: fmuType is neither fmi2ModelExchange nor fmi2CoSimulation");
@@ -206,46 +206,6 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 {
     (void)vr, (void)value;
     return no_variables(c, CALL_fmi2SetString, nvr);
-}
-
-/* --- what the description says is not offered --- */
-
-static const char NO_STATE[] = "getting and setting the complete state is not offered (canGetAndSetFMUstate = false)";
-
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
-{
-    (void)FMUstate;
-    return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
-{
-    (void)FMUstate;
-    return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
-{
-    return !FMUstate || !*FMUstate ? fmi2OK : fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
-{
-    (void)FMUstate, (void)size;
-    return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
-{
-    (void)FMUstate, (void)serializedState, (void)size;
-    return fmi2_refuse(c, NO_STATE);
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
-                                   fmi2FMUstate *FMUstate)
-{
-    (void)serializedState, (void)size, (void)FMUstate;
-    return fmi2_refuse(c, NO_STATE);
 }
 
 /* --- Model Exchange --- */

@@ -38,7 +38,7 @@ static Component *instantiate(Component blank, Interface interface, fmi3String t
         return NULL;
     }
     *component = blank;
-    const Host host = {component, log_message, NULL, NULL};
+    const Host host = {component, log_message, NULL, NULL, true};
     component->instance = instance_new(interface, token, resource_path, host);
     if (component->instance) return component;
     free(component);
@@ -155,7 +155,11 @@ fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3GetFloat64: a null pointer was given");
-    if (nValues != nValueReferences) return fmi3_refuse(c, "fmi3GetFloat64: as many values as references are expected");
+    size_t expected;
+    if (instance_count(instance, valueReferences, nValueReferences, &expected) != STATUS_OK) return fmi3Error;
+    if (nValues != expected)
+        return fmi3_refuse(c,
+                           "fmi3GetFloat64: as many values as references are expected, of an array all its elements");
     return fmi3_status(instance_get(instance, valueReferences, nValueReferences, values));
 }
 
@@ -166,7 +170,11 @@ fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference valueReferenc
     if (!instance) return fmi3Error;
     if (nValueReferences && (!valueReferences || !values))
         return fmi3_refuse(c, "fmi3SetFloat64: a null pointer was given");
-    if (nValues != nValueReferences) return fmi3_refuse(c, "fmi3SetFloat64: as many values as references are expected");
+    size_t expected;
+    if (instance_count(instance, valueReferences, nValueReferences, &expected) != STATUS_OK) return fmi3Error;
+    if (nValues != expected)
+        return fmi3_refuse(c,
+                           "fmi3SetFloat64: as many values as references are expected, of an array all its elements");
     return fmi3_status(instance_set(instance, valueReferences, nValueReferences, values));
 }
 
@@ -197,11 +205,11 @@ fmi3Status fmi3SetInt64(fmi3Instance c, const fmi3ValueReference valueReferences
     return fmi3OK;
 }
 
-/* Of other types the cable has no variables: an empty list is fine, anything else a mistake. */
-static fmi3Status no_variables(fmi3Instance c, Call call, size_t count)
+fmi3Status fmi3_no_variables(fmi3Instance c, Call call, size_t count)
 {
     if (!fmi3_legal(c, call)) return fmi3Error;
-    return count ? fmi3_refuse(c, "the cable has no variables but those of type Float64 and the Enumeration solver")
+    return count ? fmi3_refuse(c, "the cable has no variables but those of type Float64, the Enumeration solver and, "
+                                  "with arrays, the UInt64 n")
                  : fmi3OK;
 }
 
@@ -210,13 +218,13 @@ static fmi3Status no_variables(fmi3Instance c, Call call, size_t count)
                              size_t nValues)                                                                           \
     {                                                                                                                  \
         (void)references, (void)values, (void)nValues;                                                                 \
-        return no_variables(c, CALL_fmi3Get##Type, count);                                                             \
+        return fmi3_no_variables(c, CALL_fmi3Get##Type, count);                                                        \
     }                                                                                                                  \
     fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count,                      \
                              const fmi3##Type values[], size_t nValues)                                                \
     {                                                                                                                  \
         (void)references, (void)values, (void)nValues;                                                                 \
-        return no_variables(c, CALL_fmi3Set##Type, count);                                                             \
+        return fmi3_no_variables(c, CALL_fmi3Set##Type, count);                                                        \
     }
 
 TYPE_WITHOUT_VARIABLES(Float32)
@@ -226,7 +234,6 @@ TYPE_WITHOUT_VARIABLES(Int16)
 TYPE_WITHOUT_VARIABLES(UInt16)
 TYPE_WITHOUT_VARIABLES(Int32)
 TYPE_WITHOUT_VARIABLES(UInt32)
-TYPE_WITHOUT_VARIABLES(UInt64)
 TYPE_WITHOUT_VARIABLES(Boolean)
 TYPE_WITHOUT_VARIABLES(String)
 
@@ -234,26 +241,26 @@ fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference references[], 
                          fmi3Binary values[], size_t nValues)
 {
     (void)references, (void)valueSizes, (void)values, (void)nValues;
-    return no_variables(c, CALL_fmi3GetBinary, count);
+    return fmi3_no_variables(c, CALL_fmi3GetBinary, count);
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference references[], size_t count, const size_t valueSizes[],
                          const fmi3Binary values[], size_t nValues)
 {
     (void)references, (void)valueSizes, (void)values, (void)nValues;
-    return no_variables(c, CALL_fmi3SetBinary, count);
+    return fmi3_no_variables(c, CALL_fmi3SetBinary, count);
 }
 
 fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference references[], size_t count, fmi3Clock values[])
 {
     (void)references, (void)values;
-    return no_variables(c, CALL_fmi3GetClock, count);
+    return fmi3_no_variables(c, CALL_fmi3GetClock, count);
 }
 
 fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference references[], size_t count, const fmi3Clock values[])
 {
     (void)references, (void)values;
-    return no_variables(c, CALL_fmi3SetClock, count);
+    return fmi3_no_variables(c, CALL_fmi3SetClock, count);
 }
 
 /* --- Model Exchange --- */

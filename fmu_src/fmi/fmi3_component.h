@@ -24,4 +24,7 @@ Instance *fmi3_legal(fmi3Instance c, Call call);
 /* Call-backs inside a step for these variables, if the host has one; false after a message. */
 bool fmi3_listen(Component *component, const fmi3ValueReference references[], size_t count);
 
+/* Of a type that the cable has no variables of: an empty list is fine, anything else a mistake. */
+fmi3Status fmi3_no_variables(fmi3Instance c, Call call, size_t count);
+
 #endif

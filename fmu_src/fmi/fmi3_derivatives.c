@@ -2,10 +2,13 @@
 #include "derivatives.h"
 #include "fmi3_component.h"
 
-/* As many values as references, and pointers to them. */
-static bool complete(const fmi3ValueReference references[], size_t count, const fmi3Float64 values[], size_t n)
+/* As many values as references, of an array all its elements, and pointers to them. */
+static bool complete(Instance *instance, const fmi3ValueReference references[], size_t count,
+                     const fmi3Float64 values[], size_t n)
 {
-    return n == count && (!count || (references && values));
+    size_t expected;
+    if (count && (!references || !values)) return false;
+    return instance_count(instance, references, count, &expected) == STATUS_OK && n == expected;
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
@@ -14,7 +17,8 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
 {
     Instance *instance = fmi3_legal(c, CALL_fmi3GetDirectionalDerivative);
     if (!instance) return fmi3Error;
-    if (!complete(unknowns, nUnknowns, sensitivity, nSensitivity) || !complete(knowns, nKnowns, seed, nSeed))
+    if (!complete(instance, unknowns, nUnknowns, sensitivity, nSensitivity) ||
+        !complete(instance, knowns, nKnowns, seed, nSeed))
         return fmi3_refuse(c,
                            "fmi3GetDirectionalDerivative: a seed for every known and a sensitivity for every unknown "
                            "are expected, and no null pointers");
@@ -28,7 +32,8 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unk
 {
     Instance *instance = fmi3_legal(c, CALL_fmi3GetAdjointDerivative);
     if (!instance) return fmi3Error;
-    if (!complete(unknowns, nUnknowns, seed, nSeed) || !complete(knowns, nKnowns, sensitivity, nSensitivity))
+    if (!complete(instance, unknowns, nUnknowns, seed, nSeed) ||
+        !complete(instance, knowns, nKnowns, sensitivity, nSensitivity))
         return fmi3_refuse(c,
                            "fmi3GetAdjointDerivative: a seed for every unknown and a sensitivity for every known are "
                            "expected, and no null pointers");
@@ -41,7 +46,7 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference val
 {
     Instance *instance = fmi3_legal(c, CALL_fmi3GetOutputDerivatives);
     if (!instance) return fmi3Error;
-    if (!complete(valueReferences, nValueReferences, values, nValues) || (nValues && !orders))
+    if (!complete(instance, valueReferences, nValueReferences, values, nValues) || (nValues && !orders))
         return fmi3_refuse(c,
                            "fmi3GetOutputDerivatives: an order and a value for every output are expected, and no null "
                            "pointers");

@@ -5,8 +5,6 @@
 #include "fmi3_component.h"
 
 static const char NO_DEPENDENCIES[] = "dependencies do not change; they stand in the model description";
-static const char NO_STATE[] = "getting and setting the complete state is not offered (canGetAndSetFMUState = false)";
-static const char NO_CONFIGURATION[] = "there are no structural parameters to configure";
 static const char NO_CLOCKS[] = "the cable has no clocks";
 
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference valueReference, size_t *nDependencies)
@@ -22,52 +20,6 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
     (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents,
         (void)dependencyKinds, (void)nDependencies;
     return fmi3_refuse(c, NO_DEPENDENCIES);
-}
-
-fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *FMUState)
-{
-    (void)FMUState;
-    return fmi3_refuse(c, NO_STATE);
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState FMUState)
-{
-    (void)FMUState;
-    return fmi3_refuse(c, NO_STATE);
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *FMUState)
-{
-    return !FMUState || !*FMUState ? fmi3OK : fmi3_refuse(c, NO_STATE);
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState FMUState, size_t *size)
-{
-    (void)FMUState, (void)size;
-    return fmi3_refuse(c, NO_STATE);
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size)
-{
-    (void)FMUState, (void)serializedState, (void)size;
-    return fmi3_refuse(c, NO_STATE);
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedState[], size_t size,
-                                   fmi3FMUState *FMUState)
-{
-    (void)serializedState, (void)size, (void)FMUState;
-    return fmi3_refuse(c, NO_STATE);
-}
-
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance c)
-{
-    return fmi3_refuse(c, NO_CONFIGURATION);
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance c)
-{
-    return fmi3_refuse(c, NO_CONFIGURATION);
 }
 
 fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,

@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "state.h"
+#include "structure.h"
+
 static const double DEFAULT_TOLERANCE = 1e-6, LEAST_TOLERANCE = 1e-13, MOST_TOLERANCE = 1e-1;
 
 Status instance_fail(Instance *instance, const Text *message)
@@ -70,8 +73,13 @@ static void start_over(Instance *instance)
     Model *model = &instance->model;
     const size_t half = (size_t)model->n + 1;
     memcpy(model->parameter, resource->parameter, sizeof model->parameter);
-    memcpy(instance->x, resource->position, half * sizeof *instance->x);
-    memcpy(instance->x + half, resource->velocity, half * sizeof *instance->x);
+    if (resource->whole) {
+        memcpy(instance->whole, resource->whole, sizeof instance->whole);
+        memset(instance->x, 0, 2 * half * sizeof *instance->x);
+    } else {
+        memcpy(instance->x, resource->position, half * sizeof *instance->x);
+        memcpy(instance->x + half, resource->velocity, half * sizeof *instance->x);
+    }
     if (instance->guess) memcpy(instance->guess, instance->x, 2 * half * sizeof *instance->x);
     memcpy(instance->u, resource->input_start, sizeof instance->u);
     forget_input_derivatives(instance);
@@ -84,30 +92,31 @@ static void start_over(Instance *instance)
     invalidate_model(instance);
 }
 
-static size_t doubles_of(const Resource *resource)
+static size_t doubles_of(const Resource *resource, int n)
 {
-    const int n = (int)resource->n;
     const size_t states = 2u * ((size_t)n + 1u);
     const size_t for_start = resource->initial == INITIAL_EQUILIBRIUM ? states + statics_doubles(n) : 0;
     const size_t for_changes = 3 * states;
+    const size_t for_links = resource->whole ? LINK_COLUMNS * (size_t)n : 0;
     return 2 * states + for_changes + model_doubles(n) + work_doubles(n) + linear_doubles(n) + solver_doubles(n) +
-           for_start;
+           for_start + for_links;
 }
 
 /* The constants that the resource file gives, and where every array lives in the one block. */
-static void lay_out(Instance *instance)
+static void lay_out(Instance *instance, int n)
 {
     const Resource *resource = &instance->resource;
     Model *model = &instance->model;
-    const int n = (int)resource->n;
     model->n = n;
     model->terminal = (Terminal)resource->terminal;
     model->drag = (Drag)resource->drag;
     model->present = resource->present;
     memcpy(model->rest, resource->rest, sizeof model->rest);
-    for (size_t column = 0; column < LINK_COLUMNS; column++) model->link[column] = resource->link + column * (size_t)n;
 
     double *next = instance->block;
+    if (resource->whole) instance->link = next, next += LINK_COLUMNS * (size_t)n;
+    const double *link = resource->whole ? instance->link : resource->link;
+    for (size_t column = 0; column < LINK_COLUMNS; column++) model->link[column] = link + column * (size_t)n;
     const size_t states = (size_t)model_states(model);
     instance->x = next, next += states;
     instance->derivative = next, next += states;
@@ -119,6 +128,16 @@ static void lay_out(Instance *instance)
     if (resource->initial != INITIAL_EQUILIBRIUM) return;
     instance->guess = next, next += states;
     instance->statics_block = next;
+}
+
+bool instance_size(Instance *instance, int n)
+{
+    double *block = calloc(doubles_of(&instance->resource, n), sizeof *block);
+    if (!block) return false;
+    free(instance->block);
+    instance->block = block;
+    lay_out(instance, n);
+    return true;
 }
 
 static Instance *refuse(Instance *instance, const Text *why)
@@ -141,21 +160,22 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
     instance->interface = interface;
     if (!resource_read(&instance->resource, resource_directory, &why)) return refuse(instance, &why);
 
-    char expected[39];
-    resource_token(&instance->resource, expected);
-    if (!token || strcmp(token, expected) != 0) {
+    resource_token(&instance->resource, instance->token);
+    if (!token || strcmp(token, instance->token) != 0) {
         text_add(&why, "the guid or instantiation token ");
         text_add(&why, token ? token : "(none)");
         text_add(&why, " does not belong to " RESOURCE_NAME ", whose token is ");
-        text_add(&why, expected);
+        text_add(&why, instance->token);
         return refuse(instance, &why);
     }
-    instance->block = calloc(doubles_of(&instance->resource), sizeof(double));
-    if (!instance->block) {
+    if (instance->resource.whole && !host.takes_arrays) {
+        text_add(&why, RESOURCE_NAME " is that of a cable with arrays, which FMI 2 does not have");
+        return refuse(instance, &why);
+    }
+    if (!instance_size(instance, (int)instance->resource.n)) {
         text_add(&why, "out of memory");
         return refuse(instance, &why);
     }
-    lay_out(instance);
     start_over(instance);
     return instance;
 }
@@ -163,6 +183,7 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
 void instance_free(Instance *instance)
 {
     if (!instance) return;
+    states_free(instance);
     resource_free(&instance->resource);
     free(instance->block);
     free(instance);
@@ -170,6 +191,7 @@ void instance_free(Instance *instance)
 
 Status instance_reset(Instance *instance)
 {
+    if (structure_set_links(instance, instance->resource.n) != STATUS_OK) return STATUS_ERROR;
     start_over(instance);
     return STATUS_OK;
 }

@@ -3,7 +3,8 @@
  *
  * Model and parameters, state, inputs and solver memory are apart. What is derived (model constants,
  * derivatives, outputs) is recomputed only when something it depends on was set. No function here
- * keeps data outside its instance, and none allocates but instance_new().
+ * keeps data outside its instance, and none allocates but instance_new(), what makes a state [state.h] and, where the
+ * number of links is a parameter, what changes it [structure.h].
  */
 #ifndef CABLE_INSTANCE_H
 #define CABLE_INSTANCE_H
@@ -36,6 +37,7 @@ typedef enum {
 } Mode;
 
 typedef struct Instance Instance;
+typedef struct State State; /* of an instance, taken for its host [state.h] */
 
 /* How the adapter talks to its host. `owner` is the adapter's own record. */
 typedef struct {
@@ -45,6 +47,7 @@ typedef struct {
     bool (*intermediate)(void *owner, double time);
     /* FMI 3: an internal step was accepted at `time` and can be read; `end` of this step may be lowered. As before. */
     bool (*accepted)(void *owner, double time, double *end);
+    bool takes_arrays; /* FMI 3: a value reference may stand for many values */
 } Host;
 
 struct Instance {
@@ -52,7 +55,9 @@ struct Instance {
     Interface interface;
     Mode mode;
     Resource resource;
-    double *block; /* all arrays below */
+    char token[40]; /* of the FMU, filled up with zeros */
+    State *states;  /* that the host has not freed yet */
+    double *block;  /* all arrays below */
 
     Model model;
     Work work;
@@ -60,12 +65,14 @@ struct Instance {
     double time, step_start, stop_time;
     double *x, *derivative, *solver_block;
     double *guess, *statics_block; /* the start states as set, for an equilibrium near them; NULL: they are the start */
+    double *link;                  /* [LINK_COLUMNS][n] where n is a parameter, divided from `whole`; else NULL */
+    double whole[WHOLE_COUNT];
     double u[INPUT_COUNT], u_derivative[INPUT_ORDERS][INPUT_COUNT], output[OUTPUT_COUNT];
     int u_orders; /* derivatives of inputs that were given for the step to come; zeros beyond */
     double statics[STATICS_COUNT];
     double *changes;        /* three times the states, scratch [derivatives.c] */
     bool linear_is_current; /* for derivatives at the present state */
-    bool linear_is_lent;    /* to derivatives: the solver's linearised chain is gone [step.c] */
+    bool linear_is_lent;    /* to derivatives, or another state came: the solver's linearised chain is gone [step.c] */
     bool model_is_current, start_is_current, derivatives_are_current, outputs_are_current, tensions_are_current;
     SolverMemory solver;
 };
@@ -74,6 +81,9 @@ struct Instance {
 Instance *instance_new(Interface interface, const char *token, const char *resource_directory, Host host);
 void instance_free(Instance *instance);
 Status instance_reset(Instance *instance);
+
+/* Lays all arrays out anew for n links, zero; false without memory, and then nothing has changed. */
+bool instance_size(Instance *instance, int n);
 
 Status instance_fail(Instance *instance, const Text *message);
 
@@ -88,6 +98,11 @@ Status instance_exit_initialization(Instance *instance);
 /* Values by reference; nothing is changed by a call that fails. */
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values);
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values);
+/* How many values these variables have in all: n for an array, else one each. */
+Status instance_count(Instance *instance, const uint32_t *references, size_t count, size_t *values);
+/* The number of links, where it is a parameter. */
+Status instance_get_links(Instance *instance, uint32_t reference, uint64_t *value);
+Status instance_check_links(Instance *instance, uint32_t reference, uint64_t value);
 /* The one enumeration, `solver`: automatic = 1, explicit = 2, implicit = 3. */
 Status instance_get_choice(Instance *instance, uint32_t reference, int64_t *value);
 Status instance_check_choice(Instance *instance, uint32_t reference, int64_t value);
@@ -109,6 +124,14 @@ Status instance_nominals(Instance *instance, double *nominals, size_t count);
 /* Co-Simulation: from the present time to communication_point + step. */
 Status instance_step(Instance *instance, double communication_point, double step);
 
+/* Which of the states (or of their derivatives) a variable of that kind is. */
+typedef struct {
+    size_t first, count;
+} Span;
+Span instance_span(const Instance *instance, const Variable *variable);
+/* What states are set to before a run: the guess if there is one. */
+double *instance_start(Instance *instance);
+
 /* Bring what is derived up to date (refresh.c); false after a message. */
 void refresh_model(Instance *instance);
 bool refresh_start(Instance *instance); /* the states, until initialization ends */
@@ -124,6 +147,7 @@ void text_variable(Text *text, const Instance *instance, const Variable *variabl
 /* Name of state k for messages: y_m1, theta[1], ..., v_m1, omega[1], ... */
 void text_state(Text *text, const Instance *instance, size_t k);
 void text_at_time(Text *text, double time);
-extern const char *const INPUT_NAME[];
+/* The smallest value of a parameter: "-inf", "0", or "+0" for above zero. */
+const char *least_of(const Variable *variable);
 
 #endif

@@ -2,23 +2,7 @@
 #include <string.h>
 
 #include "instance.h"
-
-#define INPUT(name, unit, description) #name,
-const char *const INPUT_NAME[] = {
-#include "../kernel/variables.def"
-};
-
-void text_state(Text *text, const Instance *instance, size_t k)
-{
-    const size_t half = (size_t)instance->model.n + 1;
-    if (k % half == 0) {
-        text_add(text, k ? "v_m1" : "y_m1");
-        return;
-    }
-    text_add(text, k < half ? "theta[" : "omega[");
-    text_integer(text, k % half);
-    text_add(text, "]");
-}
+#include "structure.h"
 
 void text_at_time(Text *text, double time)
 {
@@ -41,7 +25,10 @@ void invalidate_model(Instance *instance)
 
 void refresh_model(Instance *instance)
 {
-    if (!instance->model_is_current) model_prepare(&instance->model);
+    if (!instance->model_is_current) {
+        if (instance->link) structure_divide(instance);
+        model_prepare(&instance->model);
+    }
     instance->model_is_current = true;
 }
 
@@ -96,7 +83,13 @@ static bool refuse_start(Instance *instance, StaticsStatus status)
  */
 bool refresh_start(Instance *instance)
 {
-    if (!instance->guess || instance->start_is_current) return true;
+    if (instance->start_is_current || !(instance->guess || instance->link)) return true;
+    if (instance->link && !structure_start(instance, instance_start(instance))) return false;
+    if (!instance->guess) {
+        invalidate_state(instance);
+        instance->start_is_current = true;
+        return true;
+    }
     memcpy(instance->x, instance->guess, (size_t)model_states(&instance->model) * sizeof *instance->x);
     if (instance->mode == MODE_INSTANTIATED) return true; /* before initialization the start values are read back */
     invalidate_state(instance);

@@ -9,7 +9,7 @@
 #include "file.h"
 #include "sha256.h"
 
-enum { HEADER_BYTES = 56 };
+enum { HEADER_BYTES = 64 };
 static const long MOST_BYTES = 64L * 1024 * 1024; /* 10,000 links with every variable take 1.5 MB */
 
 static int hex_digit(char c)
@@ -121,23 +121,30 @@ static bool lay_out(Resource *resource)
     resource->variables = word_at(bytes, 44);
     resource->solver = word_at(bytes, 48);
     resource->initial = word_at(bytes, 52);
+    resource->shape = word_at(bytes, 56);
+    const bool listed = resource->shape == SHAPE_LISTED;
     const bool counts = word_at(bytes, 8) == RESOURCE_VERSION && word_at(bytes, 32) == PARAMETER_COUNT &&
-                        word_at(bytes, 36) == INPUT_COUNT && word_at(bytes, 40) == OUTPUT_COUNT;
+                        word_at(bytes, 36) == INPUT_COUNT && word_at(bytes, 40) == OUTPUT_COUNT &&
+                        word_at(bytes, 60) == (listed ? 0 : WHOLE_COUNT);
     if (!counts || resource->n < 1 || resource->n > MOST_LINKS || resource->terminal >= TERMINAL_COUNT ||
         resource->drag >= DRAG_COUNT || resource->present >> PARAMETER_COUNT || resource->solver >= SOLVER_CHOICES ||
-        resource->initial >= INITIAL_COUNT)
+        resource->initial >= INITIAL_COUNT || resource->shape >= SHAPE_COUNT)
         return false;
-    const size_t n = resource->n;
-    const size_t doubles = PARAMETER_COUNT + INPUT_COUNT + 2 + LINK_COLUMNS * n + 2 * (n + 1);
+    const size_t n = resource->n, of_cable = listed ? LINK_COLUMNS * n + 2 * (n + 1) : WHOLE_COUNT;
+    const size_t doubles = PARAMETER_COUNT + INPUT_COUNT + 2 + of_cable;
     if (resource->size != HEADER_BYTES + 8 * doubles + 8 * (size_t)resource->variables) return false;
 
     const double *next = (const double *)(const void *)(bytes + HEADER_BYTES);
     resource->parameter = take(&next, PARAMETER_COUNT);
     resource->input_start = take(&next, INPUT_COUNT);
     resource->rest = take(&next, 2);
-    resource->link = take(&next, LINK_COLUMNS * n);
-    resource->position = take(&next, n + 1);
-    resource->velocity = take(&next, n + 1);
+    if (listed) {
+        resource->link = take(&next, LINK_COLUMNS * n);
+        resource->position = take(&next, n + 1);
+        resource->velocity = take(&next, n + 1);
+    } else {
+        resource->whole = take(&next, WHOLE_COUNT);
+    }
     resource->variable = (const Variable *)(const void *)next;
     return true;
 }
@@ -147,6 +154,9 @@ static bool values_are_sane(const Resource *resource)
     const size_t n = resource->n;
     for (const double *value = resource->parameter; value < (const double *)(const void *)resource->variable; value++)
         if (!isfinite(*value)) return false;
+    const double *whole = resource->whole;
+    if (whole)
+        return whole[WHOLE_L] > 0.0 && whole[WHOLE_D] > 0.0 && whole[WHOLE_rho_cable] > 0.0 && whole[WHOLE_EI] >= 0.0;
     for (size_t i = 0; i < n; i++) {
         for (size_t column = 0; column < LINK_COLUMNS; column++) {
             const double value = resource->link[column * n + i];
@@ -158,10 +168,13 @@ static bool values_are_sane(const Resource *resource)
 
 static bool variables_are_sane(const Resource *resource)
 {
-    const uint32_t states = 2u * (resource->n + 1u);
+    const uint32_t states = resource->whole ? ARRAY_COUNT : 2u * (resource->n + 1u);
     const uint32_t statics = resource->initial == INITIAL_EQUILIBRIUM ? STATICS_COUNT : 0u;
-    const uint32_t limit[VARIABLE_KINDS] = {1u,           PARAMETER_COUNT, INPUT_COUNT, states, states,
-                                            OUTPUT_COUNT, SOLVER_COUNT,    1u,          statics};
+    const uint32_t whole = resource->whole ? WHOLE_COUNT : 0u, links = resource->whole ? 1u : 0u;
+    const uint32_t preloads = resource->whole ? PARAMETER_COUNT : 0u;
+    const uint32_t limit[VARIABLE_KINDS] = {1u,      PARAMETER_COUNT, INPUT_COUNT,  states,
+                                            states,  OUTPUT_COUNT,    SOLVER_COUNT, 1u,
+                                            statics, whole,           links,        preloads};
     for (uint32_t k = 0; k < resource->variables; k++) {
         const Variable variable = resource->variable[k];
         if (variable.kind >= VARIABLE_KINDS || variable.index >= limit[variable.kind]) return false;

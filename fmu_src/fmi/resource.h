@@ -5,8 +5,9 @@
  *   version, n, terminal, drag                        4 x uint32
  *   present                                           uint64, bit P_x: the scene has parameter x
  *   parameters, inputs, outputs, variables            4 x uint32, counts
- *   solver, initial                                   2 x uint32
- *   parameter[parameters], input_start[inputs], rest[2], link[8][n], position[n + 1], velocity[n + 1]    doubles
+ *   solver, initial, shape, whole                     4 x uint32
+ *   parameter[parameters], input_start[inputs], rest[2], then link[8][n], position[n + 1], velocity[n + 1] if the
+ *   shape is listed, else whole[whole]                doubles
  *   (kind, index)[variables]                          2 x uint32 each, in order of value references
  *
  * All little-endian, nothing behind the end. The token of the FMU (guid, instantiationToken) is made of
@@ -20,7 +21,7 @@
 #include "text.h"
 
 #define RESOURCE_NAME    "cable.bin"
-#define RESOURCE_VERSION 2u
+#define RESOURCE_VERSION 3u
 #define MOST_LINKS       10000u
 
 typedef enum {
@@ -33,11 +34,26 @@ typedef enum {
     VARIABLE_SOLVER,
     VARIABLE_SOLVER_CHOICE,
     VARIABLE_STATICS,
+    VARIABLE_WHOLE,
+    VARIABLE_LINKS,   /* n */
+    VARIABLE_PRELOAD, /* a parameter of the model that follows from the rest shape */
     VARIABLE_KINDS
 } VariableKind;
 
 /* What a run starts from: the position in the file, or the equilibrium near it. */
 typedef enum { INITIAL_SHAPE, INITIAL_EQUILIBRIUM, INITIAL_COUNT } Initial;
+
+/* The start shape: link by link, or of a cable that can be divided into any number of links [structure.h]. */
+typedef enum { SHAPE_LISTED, SHAPE_STRAIGHT, SHAPE_CATENARY, SHAPE_COUNT } Shape;
+
+#define WHOLE(name, unit, least, description) WHOLE_##name,
+typedef enum {
+#include "../kernel/variables.def"
+    WHOLE_COUNT
+} Whole;
+
+/* Where an array stands in the state vector, for variables of kind STATE and DERIVATIVE in place of an index there. */
+typedef enum { ARRAY_HEAVE, ARRAY_ANGLES, ARRAY_HEAVE_RATE, ARRAY_RATES, ARRAY_COUNT } Array;
 
 typedef struct {
     uint32_t kind, index;
@@ -46,9 +62,11 @@ typedef struct {
 typedef struct {
     uint8_t *bytes; /* the whole file; everything below points into it */
     size_t size;
-    uint32_t n, terminal, drag, variables, solver, initial;
+    uint32_t n, terminal, drag, variables, solver, initial, shape;
     uint64_t present;
-    const double *parameter, *input_start, *rest, *link, *position, *velocity;
+    const double *parameter, *input_start, *rest;
+    const double *link, *position, *velocity; /* NULL unless the shape is listed */
+    const double *whole;                      /* NULL if it is */
     const Variable *variable;
 } Resource;
 

@@ -19,6 +19,8 @@ typedef struct {
     double *bend[ROSENBROCK_MOST_DENSE]; /* w_k of its dense output */
 } Vectors;
 
+Vectors vectors_in(double *block, int count);
+
 enum { VECTORS = METHOD_STAGES + ROSENBROCK_MOST_DENSE + 8 };
 
 /* One attempt from (t, x) to t_new. The new point goes to vectors->trial, its local error, scaled so that 1 is just

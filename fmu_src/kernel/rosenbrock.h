@@ -24,10 +24,12 @@ typedef struct {
 } RosenbrockTable;
 
 /* [rosenbrock_tables.c] */
-extern const RosenbrockTable RODAS4, RODAS4P2, RODAS5P;
+extern const RosenbrockTable RODAS5P;
 
-/* The one in use; benchmarks compile the others in its place. */
-#ifndef ROSENBROCK_TABLE
+/* The one in use; benchmarks compile others in its place. */
+#ifdef ROSENBROCK_TABLE
+extern const RosenbrockTable ROSENBROCK_TABLE;
+#else
 #define ROSENBROCK_TABLE RODAS5P
 #endif
 

@@ -22,7 +22,7 @@ size_t solver_doubles(int n)
     return (size_t)VECTORS * 2u * ((size_t)n + 1u);
 }
 
-static Vectors vectors_in(double *block, int count)
+Vectors vectors_in(double *block, int count)
 {
     Vectors vectors;
     double **const all[] = {&vectors.slope, &vectors.trial,   &vectors.right_side, &vectors.force,

@@ -93,7 +93,7 @@ size_t solver_doubles(int n);
 SolverStatus solver_advance(const System *system, SolverMemory *memory, double *block, double *t, double t_end,
                             double *x);
 
-/* Forget the step size and the slope: after a reset or when somebody else moved the state. */
+/* Forget the step size and the slope: before a run. Whoever moves a state moves all of its memory with it. */
 void solver_restart(SolverMemory *memory);
 
 /* Energy now [J], less that at the start, less the work of the inputs, plus what drag and dampers took. */

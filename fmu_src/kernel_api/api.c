@@ -3,37 +3,10 @@
  * behind flat functions, so that no layout of a C structure is repeated there [models/cablefmu/kernel.py]. Sizes of
  * arrays are the caller's affair.
  */
+#include "api.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "../kernel/dynamics.h"
-#include "../kernel/statics.h"
-
-#if defined(_WIN32)
-#define VISIBLE __declspec(dllexport)
-#else
-#define VISIBLE __attribute__((visibility("default")))
-#endif
-
-/* One cable; the derived constants, scratch and factors share one block. */
-typedef struct {
-    Model model;
-    Work work;
-    Linear linear;
-    double *block, *statics_block;
-    double *x, *derivative; /* 2 (n + 1): the state of rest */
-} Kernel;
-
-VISIBLE Kernel *kernel_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
-                           const double *link);
-VISIBLE void kernel_free(Kernel *kernel);
-VISIBLE int kernel_derivatives(Kernel *kernel, const double *x, const double *u, double *derivative);
-VISIBLE int kernel_outputs(Kernel *kernel, const double *x, const double *u, double *output);
-VISIBLE int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure);
-VISIBLE int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration);
-VISIBLE int kernel_factor(Kernel *kernel, double stiffness, double mass);
-VISIBLE void kernel_solve(Kernel *kernel, const double *force, double *change, double *through);
-VISIBLE void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force);
 
 static size_t states_of(int n)
 {
@@ -161,4 +134,10 @@ void kernel_product(Kernel *kernel, double stiffness, double mass, const double 
     for (size_t k = 0; k < half; k++) q[k] = stiffness * change[k], a[k] = mass * change[k];
     linear_apply(&kernel->model, &kernel->linear, q, NULL, a, force, relation);
     if (kernel->linear.is_held && kernel->linear.held.per_mass > 0.0) add_heavy_end(kernel, relation, force);
+}
+
+/* catenary(), a CatenaryStatus. */
+int kernel_catenary(int n, const double *length, const double *weight, const double *end, double *angle, double *pull)
+{
+    return (int)catenary(n, length, weight, end, angle, pull);
 }

@@ -18,7 +18,7 @@ from cablefmu.scene_mistakes import Mistake, MistakeFoundError
 from cablefmu.shapes import END_TOLERANCE, Catenary, NoCatenaryError, catenary, end_point, ending_at, straight
 from cablefmu.signals import Signal
 
-__all__ = ["assemble"]
+__all__ = ["assemble", "bending_stiffness"]
 
 _PLACED = (schema.AnchorSpringTable, schema.FloaterTable, schema.PinTable)
 """Terminals whose place the equations of motion know."""
@@ -48,13 +48,14 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
     """
     links = _links(spec)
     weights = _submerged(links.mass, links.volume, spec) * spec.gravity
+    cable_weight = _cable_weight(spec, weights)
     terminal_weight = _terminal_mass(spec) * spec.gravity
     rest = _rest(spec, links.length, weights)
     angles = _angles(spec, rest)
     angles = _at_anchor(spec, links.length, angles)
     static_load = spec.top.static_load
     if static_load is None:
-        static_load = rest.vertical if rest is not None else float(np.sum(weights)) + terminal_weight
+        static_load = rest.vertical if rest is not None else cable_weight + terminal_weight
     parameters = {
         "g": spec.gravity,
         "M_1": spec.top.mass,
@@ -63,7 +64,7 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
         "static_load": static_load,
         **_water_parameters(spec, links),
         **_joint_parameters(links),
-        **_terminal_parameters(spec, rest, float(np.sum(weights)), terminal_weight),
+        **_terminal_parameters(spec, rest, cable_weight, terminal_weight),
     }
     terminal = spec.terminal
     inputs = schema.inputs_of(terminal.kind, getattr(terminal, "horizontal_force", False))
@@ -96,14 +97,12 @@ def _links(spec: schema.Spec) -> Links:
     n = cable.links
     length = _spread(cable.link_length, n) if cable.length is None else np.full(n, cable.length / n)
     diameter = _spread(cable.diameter, n)
-    volume = np.pi / 4.0 * diameter**2 * length
+    volume = _volume(diameter, length)
     mass = _spread(cable.link_mass, n) if cable.density is None else _spread(cable.density, n) * volume
     if cable.young_modulus is None:
         stiffness = _spread(cable.joint_stiffness, n)
     else:
-        # Table 6.1: k_i = (5/6) E I_sec / l_i, I_sec = pi r^4 / 4
-        second_moment = np.pi / 4.0 * (diameter / 2.0) ** 4
-        stiffness = 5.0 / 6.0 * _spread(cable.young_modulus, n) * second_moment / length
+        stiffness = bending_stiffness(_spread(cable.young_modulus, n), diameter) / length
     by_coefficient = water is not None and water.Cd is not None
     drag = np.zeros(n) if water is None else _spread(water.Cd if by_coefficient else water.drag_per_link, n)
     return Links(
@@ -116,6 +115,28 @@ def _links(spec: schema.Spec) -> Links:
         drag_area=diameter * length if by_coefficient else np.zeros(n),
         drag=drag,
     )
+
+
+def _volume(diameter: Floats, length: Floats) -> Floats:
+    return np.pi / 4.0 * diameter**2 * length
+
+
+def bending_stiffness(young_modulus: Floats, diameter: Floats) -> Floats:
+    """EI [N m^2] of a round cable; its joints have EI over the length of a link.
+
+    Table 6.1: k_i = (5/6) E I_sec / l_i, I_sec = pi r^4 / 4.
+    """
+    second_moment = np.pi / 4.0 * (diameter / 2.0) ** 4
+    return 5.0 / 6.0 * young_modulus * second_moment
+
+
+def _cable_weight(spec: schema.Spec, weights: Floats) -> float:
+    """Submerged, of all links [N]; where the cable is only shared out evenly, the same to the bit for every n."""
+    cable = spec.cable
+    if cable.length is None or not isinstance(cable.density, float) or not isinstance(cable.diameter, float):
+        return float(np.sum(weights))
+    volume = _volume(np.array([cable.diameter]), np.array([cable.length]))
+    return float(_submerged(cable.density * volume, volume, spec)[0] * spec.gravity)
 
 
 def _drag_kind(spec: schema.Spec) -> Drag:
@@ -175,7 +196,7 @@ def _at_anchor(spec: schema.Spec, length: Floats, angles: Floats) -> Floats:
         what = "pin" if is_pin else "anchor"
         text = f'the start shape ends at ({x:.6g}, {y:.6g}) m, not at the {what}; use kind = "catenary"'
         raise MistakeFoundError(Mistake("terminal.position", text, list(position)))
-    if not is_pin:
+    if not is_pin or isinstance(spec.shape, schema.CatenaryShape):
         return angles
     angles = ending_at(length, angles, position)
     if _miss(length, angles, position) > END_TOLERANCE * total:

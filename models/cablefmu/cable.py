@@ -9,13 +9,13 @@ along +y. SI units, angles in radians from the downward vertical, positive towar
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cable", "Drag", "Floats", "Initial", "Links", "SolverChoice", "Terminal"]
+__all__ = ["Cable", "Drag", "Floats", "Initial", "Links", "SolverChoice", "Terminal", "Whole"]
 
 Floats = NDArray[np.float64]
 
@@ -148,3 +148,22 @@ class Cable:
     def in_water(self) -> bool:
         """Whether the cable is submerged (buoyancy and drag)."""
         return "rho_w" in self.parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """A uniform cable before it is divided into links: what it is and how it starts, whatever their number."""
+
+    parameters: dict[str, float]
+    """By their FMI names, SI: ``L``, ``D``, ``rho_cable``; ``EI`` where joints follow from it, ``theta_start`` where
+    the cable starts straight, and not in the rest shape between its ports."""
+    preloads: tuple[str, ...]
+    """Parameters of the `Cable` that follow from the rest shape, and so from the number of links."""
+    place: tuple[float, float]
+    """(x, y) of the lower port [m]; (0, 0) for a load, which has none."""
+
+    def rest_of(self, cable: Cable) -> Cable:
+        """The cable without the parameters that follow from the whole and the number of links."""
+        follow = {*self.preloads, *(("k_joint",) if "EI" in self.parameters else ())}
+        kept = {name: value for name, value in cable.parameters.items() if name not in follow}
+        return replace(cable, parameters=kept, rest_position=self.place)

@@ -25,6 +25,7 @@ from .progress import showing_progress
 from .report import ACCURACY, LIMIT
 from .report_command import Asked, write_scene_reports
 from .results import write_results
+from .saved_state import read_state
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .stress import stress
@@ -61,6 +62,14 @@ def build(
         Path | None, Parameter(name=["--output", "-o"], help="File to write; ./build/NAME.fmu by default.")
     ] = None,
     fmi: Annotated[Literal[2, 3] | None, Parameter(help="Version of FMI; 2 by default.")] = None,
+    arrays: Annotated[
+        bool,
+        Parameter(
+            negative=(),
+            help="Link angles and rates as arrays, their number n a structural parameter (FMI 3): "
+            "./build/NAME-fmi3-arrays.fmu.",
+        ),
+    ] = False,
     twin: Annotated[
         bool, Parameter(negative=(), help="Build the reference model instead, in Python: ./build/NAME-twin.fmu.")
     ] = False,
@@ -68,8 +77,10 @@ def build(
     """Build a scene's FMU: Model Exchange and Co-Simulation in one archive."""
     if twin and fmi == 3:
         raise OptionError("fmi = 3: a twin is an FMU of version 2; leave --fmi out, or --twin")
+    if twin and arrays:
+        raise OptionError("arrays: a twin is an FMU of version 2, which has none; leave --arrays out, or --twin")
     loaded = load_scene(scene)
-    print(build_twin(loaded, output) if twin else build_fmu(loaded, output, fmi=fmi or 2))
+    print(build_twin(loaded, output) if twin else build_fmu(loaded, output, fmi=fmi, arrays=arrays))
 
 
 @app.command
@@ -77,7 +88,7 @@ def run(
     scene: Annotated[str, Parameter(help="A shipped scene's name, a TOML file, or an FMU from `cablefmu build`.")],
     /,
     *,
-    fmi: Annotated[Literal[2, 3] | None, Parameter(help="Version of FMI; 2 unless an FMU is given.")] = None,
+    fmi: Annotated[Literal[2, 3] | None, Parameter(help="Version of FMI; 2 unless an FMU or a state is given.")] = None,
     interface: Annotated[
         Literal["cs", "me"], Parameter(help="Co-Simulation, or Model Exchange under FMPy's CVode.")
     ] = "cs",
@@ -104,6 +115,19 @@ def run(
             "with mode shapes, and the cable's end stiffness, about the equilibrium for the inputs of the start.",
         ),
     ] = None,
+    save_state: Annotated[
+        Path | None,
+        Parameter(
+            help="File for the FMU's complete state at the stop time (Co-Simulation: CVode's own cannot be saved)."
+        ),
+    ] = None,
+    from_state: Annotated[
+        Path | None,
+        Parameter(
+            help="Go on from a file of --save-state, with the same bits as if the run had never stopped. Parameters, "
+            "tolerance, step and constant inputs are those of the saved run; step and inputs can be given anew."
+        ),
+    ] = None,
     plot: Annotated[Path | None, Parameter(help="Picture of the cable at regular times, FILE.png.")] = None,
     output: Annotated[
         Path | None,
@@ -116,7 +140,8 @@ def run(
             raise OptionError(f"{option}: at least one value is expected behind it")
     given = _assignments(set_ or [])
     asked = [name for text in record or [] for name in text.split(",")]
-    what, name, frame_interval = _archive_for(scene, fmi)
+    saved_fmi = None if from_state is None else read_state(from_state).fmi
+    what, name, frame_interval = _archive_for(scene, fmi, saved_fmi)
     results = output or Path("build") / f"{name}.csv"
     if results.suffix not in {".csv", ".nc"}:
         raise OptionError(f"output = {results}: a name that ends with .csv or .nc is expected")
@@ -129,7 +154,7 @@ def run(
         try:
             result = simulate(
                 what, interface=interface, stop_time=stop_time, step=step, tolerance=tolerance, parameters=given,
-                record=wanted, progress=progress,
+                record=wanted, progress=progress, save_state=save_state, from_state=from_state,
             )  # fmt: skip
         except RunError as error:
             if error.partial is None:
@@ -139,7 +164,10 @@ def run(
     if plot:
         plot_frames(result, plot, frame_interval)
     print_summary(result, Console())
-    print(f"results: {', '.join(map(str, written))}" + (f", picture: {plot}" if plot else ""))
+    also = {"picture": plot, "state": save_state if failure is None else None}
+    print(
+        f"results: {', '.join(map(str, written))}" + "".join(f", {what}: {path}" for what, path in also.items() if path)
+    )
     if failure is not None:
         raise RunError(f"the run ended at t = {failure.time:g} s; the results up to then are kept.\n{failure}")
 
@@ -172,7 +200,7 @@ def _without_angles(result: xr.Dataset, record: list[str]) -> xr.Dataset:
     return result if any("link" in v.dims for v in result.data_vars.values()) else result.drop_dims("link")
 
 
-def _archive_for(scene: str, fmi: int | None) -> tuple[Path, str, float]:
+def _archive_for(scene: str, fmi: int | None, saved_fmi: int | None) -> tuple[Path, str, float]:
     """The FMU to run, made anew unless it was given; the name of its scene; the time between pictures [s]."""
     if Path(scene).suffix == ".fmu":
         archive = open_fmu(scene)
@@ -180,7 +208,8 @@ def _archive_for(scene: str, fmi: int | None) -> tuple[Path, str, float]:
             raise OptionError(f"fmi = {fmi}: {scene} is an FMU of version {archive.fmi}; leave --fmi out")
         return archive.path, archive.scene.name, archive.scene.frame_interval
     loaded: Scene = load_scene(scene)
-    path = build_fmu(loaded, default_path(loaded, fmi or 2), fmi=fmi or 2)
+    version = fmi or saved_fmi or 2
+    path = build_fmu(loaded, default_path(loaded, version), fmi=version)
     return path, loaded.name, loaded.frame_interval
 
 

@@ -36,7 +36,16 @@ class Driver(Protocol):
     def start(
         self, start: float, stop: float, tolerance: float, numbers: Mapping[int, float], choices: Mapping[int, int]
     ) -> None:
-        """Initialise, with these variables set before: numbers and values of enumerations, by reference."""
+        """Initialise, with these variables set before: numbers and integers (enumerations, sizes), by reference."""
+
+    def resize(self, choices: Mapping[int, int]) -> None:
+        """Set what of these integers are sizes of arrays, before resume()."""
+
+    def resume(self, image: bytes) -> None:
+        """Instead of start(): on from a state that save() gave."""
+
+    def save(self) -> bytes:
+        """The FMU's complete state, serialized."""
 
     def get(self, references: Sequence[int]) -> list[float]:
         """Values of variables at the present time."""
@@ -52,7 +61,10 @@ class Driver(Protocol):
 
 
 class _Base(ABC):
-    """What all four share: messages, variables by name, errors as `RunError`."""
+    """What all four share: messages, variables by name, the complete state, errors as `RunError`."""
+
+    state_functions: tuple[str, ...]
+    """FMPy's names, which differ between the versions: get, set, free, serialize, deserialize."""
 
     def __init__(self, description: Any, feed: Feed) -> None:
         self.messages: list[str] = []
@@ -77,8 +89,24 @@ class _Base(ABC):
             self.fmu.freeInstance()
             self.fmu = None
 
+    def resize(self, choices: Mapping[int, int]) -> None:  # noqa: B027
+        """Nothing without arrays."""
+
     def failed(self, what: str) -> RunError:
         return RunError(self.messages[-1] if self.messages else f"{what} failed without a message")
+
+    def resume(self, image: bytes) -> None:
+        _, put, free, _, deserialize = (getattr(self.fmu, name) for name in self.state_functions)
+        state = self._call("deserializing the state", deserialize, image)
+        self._call("setting the state", put, state)
+        self._call("freeing the state", free, state)
+
+    def save(self) -> bytes:
+        get, _, free, serialize, _ = (getattr(self.fmu, name) for name in self.state_functions)
+        state = self._call("getting the state", get)
+        image: bytes = self._call("serializing the state", serialize, state)
+        self._call("freeing the state", free, state)
+        return image
 
     def counters(self) -> dict[str, float]:
         names = [name for name in self.reference if name.startswith("solver.")]
@@ -103,6 +131,8 @@ class _Base(ABC):
 
 class _Fmi2(_Base):
     """Life cycle and variables of FMI 2."""
+
+    state_functions = ("getFMUstate", "setFMUstate", "freeFMUstate", "serializeFMUstate", "deSerializeFMUstate")
 
     def instantiate(self, kind: type, description: Any, interface: Any, folder: str) -> None:
         self.load(kind, description, interface, folder)
@@ -182,6 +212,15 @@ class Fmi2CoSimulation(_Fmi2):
 class _Fmi3(_Base):
     """Life cycle and variables of FMI 3."""
 
+    state_functions = ("getFMUState", "setFMUState", "freeFMUState", "serializeFMUState", "deserializeFMUState")
+
+    def __init__(self, description: Any, feed: Feed) -> None:
+        super().__init__(description, feed)
+        variables = {variable.valueReference: variable for variable in description.modelVariables}
+        self._structural = {reference for reference, v in variables.items() if v.causality == "structuralParameter"}
+        self._size = {reference: int(variables[reference].start) for reference in self._structural}
+        self._dimension = {r: v.dimensions[0].valueReference for r, v in variables.items() if v.dimensions}
+
     def make(self, kind: type, description: Any, interface: Any, folder: str) -> None:
         self.load(kind, description, interface, folder)
 
@@ -193,6 +232,8 @@ class _Fmi3(_Base):
     def start(
         self, start: float, stop: float, tolerance: float, numbers: Mapping[int, float], choices: Mapping[int, int]
     ) -> None:
+        self.resize(choices)
+        choices = {reference: value for reference, value in choices.items() if reference not in self._structural}
         self._call("fmi3SetFloat64", self.fmu.setFloat64, list(numbers), list(numbers.values()))
         self._call("fmi3SetInt64", self.fmu.setInt64, list(choices), list(choices.values()))
         self._call(
@@ -210,7 +251,18 @@ class _Fmi3(_Base):
         """Hook for what an interface does after initialisation."""
 
     def get(self, references: Sequence[int]) -> list[float]:
-        return list(self._call("fmi3GetFloat64", self.fmu.getFloat64, list(references)))
+        count = sum(self._size[self._dimension[r]] if r in self._dimension else 1 for r in references)
+        return list(self._call("fmi3GetFloat64", self.fmu.getFloat64, list(references), count))
+
+    def resize(self, choices: Mapping[int, int]) -> None:
+        """In configuration mode, where arrays get other sizes."""
+        sizes = {reference: value for reference, value in choices.items() if reference in self._structural}
+        if not sizes:
+            return
+        self._call("fmi3EnterConfigurationMode", self.fmu.enterConfigurationMode)
+        self._call("fmi3SetUInt64", self.fmu.setUInt64, list(sizes), list(sizes.values()))
+        self._call("fmi3ExitConfigurationMode", self.fmu.exitConfigurationMode)
+        self._size |= sizes
 
     def set_inputs(self, values: Sequence[float]) -> None:
         self._call("fmi3SetFloat64", self.fmu.setFloat64, self.inputs, list(values))
@@ -341,13 +393,13 @@ class Fmi3ModelExchange(_ModelExchange, _Fmi3):
 
     def __init__(self, description: Any, folder: str, feed: Feed) -> None:
         super().__init__(description, feed)
-        self.number_of_states = description.numberOfContinuousStates
         self.make(fmi3.FMU3Model, description, description.modelExchange, folder)
         _instantiate(self, lambda: self.fmu.instantiate(logMessage=self._log))
 
     def started(self, start: float, tolerance: float) -> None:
         self._call("fmi3UpdateDiscreteStates", self.fmu.updateDiscreteStates)
         self._call("fmi3EnterContinuousTimeMode", self.fmu.enterContinuousTimeMode)
+        self.number_of_states = self._call("fmi3GetNumberOfContinuousStates", self.fmu.getNumberOfContinuousStates)
         self.begin(start, tolerance, lambda time: self._call("fmi3SetTime", self.fmu.setTime, time), {
             "get_states": self.fmu.getContinuousStates, "set_states": self.fmu.setContinuousStates,
             "get_derivatives": self.fmu.getContinuousStateDerivatives,

@@ -6,7 +6,8 @@
     ├── UserError        the user can mend it; the command line ends with status 2
     │   ├── SceneError   something in a scene file (or in a file that it names)
     │   ├── OptionError  a command-line option or an argument of the Python API
-    │   └── FmuError     an archive that is not one of ours, or is damaged
+    │   ├── FmuError     an archive that is not one of ours, or is damaged
+    │   └── StateError   a saved state that is none, is damaged, or is of another run
     └── RunError         a run that could not go on; status 1, results up to then are kept
 
 Every message is whole sentences for a person: what is wrong, where, and what is allowed.
@@ -14,7 +15,7 @@ Every message is whole sentences for a person: what is wrong, where, and what is
 
 from __future__ import annotations
 
-__all__ = ["CableError", "FmuError", "OptionError", "RunError", "SceneError", "UserError"]
+__all__ = ["CableError", "FmuError", "OptionError", "RunError", "SceneError", "StateError", "UserError"]
 
 
 class CableError(Exception):
@@ -39,6 +40,10 @@ class OptionError(UserError):
 
 class FmuError(UserError):
     """A file that was given as an FMU and cannot be used as one."""
+
+
+class StateError(UserError):
+    """A file that was given as a saved state and cannot be gone on from."""
 
 
 class RunError(CableError):

@@ -37,6 +37,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "kernel_rest": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "kernel_factor": (_INT, _POINTER, _DOUBLE, _DOUBLE),
     "kernel_solve": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_catenary": (_INT, _INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "kernel_product": (None, _POINTER, _DOUBLE, _DOUBLE, _ARRAY, _ARRAY),
 }
 """Function -> (type of the result, types of the arguments)."""

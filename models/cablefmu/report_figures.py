@@ -73,7 +73,17 @@ def _axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
     axes = figure.add_subplot()
     axes.set(xlabel=x, ylabel=y, title=title, xscale="log", yscale="log")
     axes.grid(alpha=0.3)
+    _plain_ticks(axes)
     return figure, axes
+
+
+def _plain_ticks(axes: Axes) -> None:
+    """1, 2, 5, 10 across, written out: a decade or two is all there is, and powers of ten would run into each other."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=8))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:,.10g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _work_precision(
@@ -129,7 +139,7 @@ def _links(report: Report) -> Figure:
 
 def _growth(report: Report) -> Figure:
     figure, axes = _axes("Two starts 1e-9 rad apart", "time [s]", "distance [m]")
-    axes.set_xscale("linear")
+    axes.set_xscale("linear")  # with ticks of its own
     axes.plot(report.reference.course.times, np.maximum(report.reference.horizon.growth, _ZERO), color="#0b6fb8")
     axes.axhline(report.accuracy, color="black", linewidth=0.8, linestyle=":")
     if report.reference.horizon.is_chaotic:

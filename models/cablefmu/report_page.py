@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from .pages import html_page
 from .report import Report, made_on
 from .report_figures import figures
 from .report_tables import Sheet, sheets
@@ -12,15 +13,11 @@ from .report_tables import Sheet, sheets
 __all__ = ["index_page", "page"]
 
 _STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; color: #1c2530; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; display: block; overflow-x: auto; }
-th, td { padding: .2rem .8rem .2rem 0; border-bottom: 1px solid #dfe4ea; text-align: right; white-space: nowrap; }
-th { font-weight: 600; vertical-align: bottom; } tr > :first-child { text-align: left; }
-.words td { text-align: left; white-space: normal; } .words td:first-child { white-space: nowrap; font-weight: 600; }
-figure { margin: 0; }
-.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(26rem, 1fr)); gap: 1rem; }
-svg { width: 100%; height: auto; } p.note, footer { color: #5a6573; max-width: 60rem; }
+th, td { text-align: right; } tr > :first-child { text-align: left; }
+.words td { text-align: left; white-space: normal; } .words td:first-child { font-weight: 600; min-width: 8rem; }
+figure { margin: 0; background: #fff; border-radius: 4px; }
+.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); gap: 1rem; }
+svg { width: 100%; height: auto; display: block; }
 """
 
 
@@ -45,21 +42,7 @@ def index_page(sheet: Sheet, links: Sequence[str]) -> str:
 
 
 def _html(title: str, body: Sequence[str]) -> str:
-    content = "\n".join(body)
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{escape(title)}</title>
-<style>{_STYLE}</style>
-</head>
-<body>
-{content}
-<footer><p>{escape(made_on())}</p></footer>
-</body>
-</html>
-"""
+    return html_page(title, body, style=_STYLE, made_with=made_on())
 
 
 def _table(sheet: Sheet, kind: str, links: Sequence[str] = ()) -> str:

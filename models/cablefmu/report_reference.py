@@ -17,6 +17,9 @@ __all__ = ["DENSE_LINKS", "Horizon", "Trusted", "trusted"]
 TIGHT = (1e-11, 1e-10, 1e-9)
 """Tolerances of the reference, the first that the FMU reaches; 1e-11 is a hundredth of the ladder's tightest."""
 
+GOOD = 0.1
+"""Of the accuracy asked for: so far may a reference be from what it is checked by."""
+
 DENSE_LINKS = 120
 """Up to so many links the dense reference answers within a minute or two."""
 
@@ -57,20 +60,27 @@ def trusted(runs: FmuRuns, accuracy: float, limit: float) -> Trusted:
     Parameters
     ----------
     accuracy
-        Motion is chaotic from where two starts 1e-9 rad apart differ by more than this [m].
+        Motion is chaotic from where two starts 1e-9 rad apart differ by more than this [m]; `GOOD` of it is what the
+        reference must be good to.
     limit
         CPU time of every run [s].
 
     Raises
     ------
     RunError
-        If the FMU reaches no tight tolerance in that time, or the two starts part within the first output interval.
+        If the FMU reaches no tight tolerance in that time, if the two starts part within the first output interval, or
+        if the reference and what it is checked by are more than a tenth of `accuracy` apart.
     """
     course, tolerance = _tightest(runs, limit)
     horizon = _horizon(runs, course, tolerance, accuracy)
     words, is_independent, others = _second_opinions(runs, tolerance, limit)
     found = [apart(other, course, horizon.time) for other in others]
     difference = max(found, key=lambda off: off.position)
+    if not difference.position <= GOOD * accuracy:
+        raise RunError(
+            f"{runs.scene.name}: no reference is to be trusted: the FMU at {tolerance:g} and {words} are "
+            f"{difference.position:.3g} m apart up to {horizon.time:g} s, more than a tenth of the accuracy asked for"
+        )
     return Trusted(course, tolerance, words, is_independent, difference, horizon)
 
 

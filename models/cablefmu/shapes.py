@@ -9,12 +9,11 @@ a cable of this slenderness by little.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cablefmu.cable import Floats
+from cablefmu.kernel import library
 
 __all__ = ["END_TOLERANCE", "Catenary", "NoCatenaryError", "catenary", "end_point", "ending_at", "straight"]
 
@@ -22,12 +21,13 @@ END_TOLERANCE = 1e-9
 """How close P_n must come to the port [m]."""
 
 _MAX_STEPS = 100
-_SHORTEST_STEP = 1e-10
-_LARGEST_STEP = 1e20
-# Newton crawls along the kinks of links that carry next to nothing, so these are sharpened step by step.
-_ROUNDINGS = (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 0.0)
-# Share of the decrease that the slope promises that a step must bring (the usual choice).
-_ARMIJO = 1e-4
+_REASONS = {
+    1: "the ports are {chord:.6g} m apart, and the cable is {total:.6g} m long; it must be longer",
+    2: "a cable without weight (in water: as dense as the water) has no rest shape between two ports",
+    3: "no rest shape of these links joins the ports: the ports are nearly the cable's length apart,"
+    " or too close together (or above each other) for links this long",
+}
+"""Status of the kernel's search [catenary.h] -> what is wrong."""
 
 
 class NoCatenaryError(ValueError):
@@ -91,86 +91,19 @@ def catenary(lengths: Floats, weights: Floats, end: tuple[float, float]) -> Cate
     NoCatenaryError
         If the ports are too far apart or too close together for these links, or the cable has no weight.
 
+    RunError
+        Where the package has no kernel for this machine.
+
     Notes
     -----
-    With the pull (H, V - W_i) in link i, of size T_i, the ports' distance is the gradient of the convex
-    function sum l_i T_i. So (H, V) minimises phi = sum l_i T_i - H x - V y, which grows in every direction
-    if the ports are closer than the cable is long: Newton with a step control finds it from any start.
-    phi has a kink where a link carries nothing, and if that is the minimum, these links do not fit.
+    The kernel's own [fmu_src/kernel/catenary.c]: an FMU whose number of links is a parameter finds the same to the bit.
     """
     total = float(np.sum(lengths))
-    chord = float(np.hypot(*end))
-    if chord >= total:
-        raise NoCatenaryError(
-            f"the ports are {chord:.6g} m apart, and the cable is {total:.6g} m long; it must be longer"
-        )
-    scale = float(np.sum(np.abs(weights)))
-    if scale == 0.0:
-        raise NoCatenaryError(
-            "a cable without weight (in water: as dense as the water) has no rest shape between two ports"
-        )
-    span = np.asarray(end, dtype=np.float64) / total
-    above = (np.cumsum(weights) - weights / 2.0) / scale
-    pull = _pull(lengths / total, above, span)
-    angles = np.arctan2(pull[0], pull[1] - above)
-    x, y = end_point(lengths, angles)
-    if not np.hypot(x - end[0], y - end[1]) <= END_TOLERANCE:
-        raise NoCatenaryError(
-            "no rest shape of these links joins the ports: the ports are nearly the cable's length apart,"
-            " or too close together (or above each other) for links this long"
-        )
-    return Catenary(angles, float(pull[0] * scale), float(pull[1] * scale))
-
-
-def _pull(lengths: Floats, above: Floats, span: Floats) -> Floats:
-    """Minimise phi over (H, V), all in units of the cable's length and weight; see `catenary`."""
-    # The pull of a slack cable: half the weight at each port, and as much sideways.
-    pull = np.array([np.copysign(0.5, span[0]), 0.5 * (above[0] + above[-1])])
-    for rounding in _ROUNDINGS:
-        pull = _newton(pull, lengths, above, span, rounding)
-    return pull
-
-
-def _newton(pull: Floats, lengths: Floats, above: Floats, span: Floats, rounding: float) -> Floats:
-    """Minimise phi with its kinks rounded off, T = sqrt(H^2 + (V - W)^2 + rounding^2), from `pull` on."""
-
-    def look(pull: Floats) -> tuple[float, Floats, Floats]:
-        """Value of phi, its gradient (how far the end misses the port) and Hessian at a pull."""
-        direction = np.array([np.full_like(above, pull[0]), pull[1] - above])
-        size = np.maximum(np.hypot(np.hypot(*direction), rounding), np.finfo(float).tiny)
-        unit, weight = direction / size, lengths / size
-        # T'' = (1 - u u^T) / T with u = direction / T, written so that nothing cancels.
-        cross = -float(np.sum(weight * unit[0] * unit[1]))
-        round_part = (rounding / size) ** 2
-        hessian = np.array(
-            [
-                [np.sum(weight * (unit[1] ** 2 + round_part)), cross],
-                [cross, np.sum(weight * (unit[0] ** 2 + round_part))],
-            ]
-        )
-        return float(lengths @ size - pull @ span), unit @ lengths - span, hessian
-
-    value, miss, hessian = look(pull)
-    for _ in range(_MAX_STEPS):
-        try:
-            step = -np.linalg.solve(hessian, miss)
-        except np.linalg.LinAlgError:
-            break
-        if not _size(step) < _LARGEST_STEP:
-            break
-        reach = 1.0
-        while reach > _SHORTEST_STEP:
-            trial = look(pull + reach * step)
-            # Near the minimum phi is flat to rounding, and the miss alone tells a good step.
-            if trial[0] < value + _ARMIJO * reach * float(miss @ step) or _size(trial[1]) < 0.5 * _size(miss):
-                break
-            reach *= 0.5
-        else:
-            break
-        pull = pull + reach * step
-        value, miss, hessian = trial
-    return pull
-
-
-def _size(vector: NDArray[Any]) -> float:
-    return float(np.hypot(vector[0], vector[1]))
+    angles, pull = np.empty(len(lengths)), np.empty(2)
+    status = library().kernel_catenary(
+        len(lengths), np.ascontiguousarray(lengths), np.ascontiguousarray(weights), np.array(end, dtype=np.float64),
+        angles, pull,
+    )  # fmt: skip
+    if status:
+        raise NoCatenaryError(_REASONS[status].format(chord=float(np.hypot(*end)), total=total))
+    return Catenary(angles, float(pull[0]), float(pull[1]))

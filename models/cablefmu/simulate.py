@@ -8,8 +8,8 @@ import shutil
 import tempfile
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
+from itertools import accumulate, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -20,19 +20,27 @@ from .drive import Driver, make_driver
 from .errors import OptionError, RunError
 from .feed import Feed
 from .fmu.archive import Archive, build_fmu, open_fmu
-from .fmu.table import table
-from .fmu.variables import ENUMERATIONS, Kind, Variable, variables_of
+from .fmu.table import Row, table
+from .fmu.variables import Kind, Variable, elements_of, variables_of
 from .results import Recording, dataset
+from .saved_state import SavedState, check_saved, check_saving, hash_of, read_state, resume, write_state
 from .scene import Scene, load_scene
+from .scene_schema import MAX_LINKS
 from .signals import Constant
 from .statics_results import STATICS_GROUPS, joined, statics_dataset
+from .units import LARGEST, SMALLEST
+from .whole import divided
 
 __all__ = ["simulate"]
 
 INTERFACES = ("cs", "me")
-SETTABLE = (Kind.PARAMETER, Kind.SOLVER_CHOICE, Kind.INPUT, Kind.STATE)
+SETTABLE = (Kind.PARAMETER, Kind.WHOLE, Kind.LINKS, Kind.SOLVER_CHOICE, Kind.INPUT, Kind.STATE)
+_CHOICES = (Kind.SOLVER_CHOICE, Kind.LINKS)
 GROUPS = ("theta", "omega")
 """What `record` takes besides names of variables: all link angles, all link rates."""
+
+_ROUNDING = 1e-12
+"""Relative: times that differ by less are one."""
 
 Progress = Callable[[float, float], None]
 """Called with the simulated and the stop time [s]."""
@@ -48,18 +56,30 @@ class Settings:
     tolerance: float
     given: Mapping[str, float | str]
     record: tuple[str, ...]
+    saved: SavedState | None = None
+    """What the run goes on from."""
+    save_state: Path | None = None
+
+    @property
+    def start_time(self) -> float:
+        return self.saved.time if self.saved else 0.0
 
     def times(self) -> list[float]:
-        """Output times: 0, step, 2 step, ..., and the stop time [s]."""
+        """Output times: 0, step, 2 step, ..., and the stop time [s]; those from the start time on."""
         # Rounding of the quotient must not make one more interval; a step beyond the stop time makes one.
         count = math.ceil(self.stop_time / self.step * (1.0 - 1e-12))
-        return [k * self.step for k in range(count)] + [self.stop_time]
+        end, last = self.stop_time, count * self.step
+        if self.save_state and abs(last - end) <= _ROUNDING * end:
+            end = last  # a run that goes on from here must find the times of one that never stopped
+        later = [k * self.step for k in range(count) if k * self.step > self.start_time * (1.0 + _ROUNDING)]
+        return [self.start_time, *later, end]
 
 
 def simulate(
     what: Scene | str | Path, *, fmi: int | None = None, interface: str = "cs", stop_time: float | None = None,
     step: float | None = None, tolerance: float | None = None, parameters: Mapping[str, float | str] | None = None,
-    record: Sequence[str] = (), progress: Progress | None = None,
+    record: Sequence[str] = (), progress: Progress | None = None, save_state: str | Path | None = None,
+    from_state: str | Path | None = None,
 ) -> xr.Dataset:  # fmt: skip
     """Build a scene's FMU, run it through FMPy, and return its outputs over time.
 
@@ -84,6 +104,13 @@ def simulate(
         frequencies with mode shapes, and the cable's end stiffness, about the equilibrium for the inputs of the start.
     progress
         Called with the simulated and the stop time [s] after every output interval.
+    save_state
+        File for the complete state at the stop time; an existing one is replaced. Co-Simulation only: in Model
+        Exchange it is CVode that integrates, and its memory cannot be saved.
+    from_state
+        A file that `save_state` wrote of the same scene: the run goes on from there to a later stop time, with the same
+        bits as if it had never stopped. Version of FMI, step and what was set are those of the saved run, unless the
+        step or an input is given anew; parameters and tolerance cannot be.
 
     Returns
     -------
@@ -93,20 +120,33 @@ def simulate(
     Raises
     ------
     UserError
-        A mistake in what was given: SceneError, FmuError or OptionError.
+        A mistake in what was given: SceneError, FmuError, StateError or OptionError.
     RunError
         If the run could not go on; its `partial` is the Dataset up to then.
     """
     scene, archive = _open(what, fmi)
     variables = _variables(scene, archive)
-    settings = _settings(scene, variables, interface, stop_time, step, tolerance, parameters or {}, record)
+    saved = None if from_state is None else read_state(from_state)
+    version = archive.fmi if archive else fmi or (saved.fmi if saved else 2)
+    given = dict(parameters or {})
+    if saved:
+        inputs = [variable.name for variable in variables if variable.kind is Kind.INPUT]
+        check_saved(saved, scene, version, interface, tolerance, given, inputs)
+        step = saved.step if step is None else step
+        tolerance, given = saved.tolerance, {**saved.given, **given}
+    if archive is not None and archive.has_arrays:
+        scene = _divided(scene, given)
+    settings = _settings(scene, variables, interface, stop_time, step, tolerance, given, record)
+    if save_state is not None:
+        check_saving(Path(save_state), interface)
+    settings = _between_states(settings, saved, save_state, archive)
     statics = statics_dataset(scene, settings.given, [name for name in STATICS_GROUPS if name in settings.record])
     folder = tempfile.mkdtemp(prefix="cablefmu-")
     try:
         if archive is None:
-            archive = open_fmu(build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=fmi or 2))
+            archive = open_fmu(build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=version))
         extract(str(archive.path), unzipdir=str(Path(folder) / "fmu"))
-        return joined(_run(archive, settings, str(Path(folder) / "fmu"), progress), statics)
+        return joined(_run(archive, scene, variables, settings, str(Path(folder) / "fmu"), progress), statics)
     except RunError as error:
         if isinstance(error.partial, xr.Dataset):
             error.partial = joined(error.partial, statics)
@@ -130,11 +170,24 @@ def _open(what: Scene | str | Path, fmi: int | None) -> tuple[Scene, Archive | N
 
 def _variables(scene: Scene, archive: Archive | None) -> list[Variable]:
     """The variables of the FMU; a twin has none of the native solver's."""
-    variables = variables_of(scene.cable, scene.dropped_outputs)
     if archive is None:
-        return variables
+        return variables_of(scene.cable, scene.dropped_outputs)
     present = {variable.name for variable in archive.description.modelVariables}
-    return [variable for variable in variables if variable.name in present]
+    return [variable for variable in archive.variables() if variable.name in present]
+
+
+def _divided(scene: Scene, given: Mapping[str, float | str]) -> Scene:
+    """The scene of an FMU with arrays for as many links as are asked for, and for the cable that was set."""
+    n = given.get("n", scene.cable.n)
+    if isinstance(n, str) or not 1 <= n <= MAX_LINKS or n != int(n):
+        raise OptionError(f"set n={n}: a whole number of links from 1 to {MAX_LINKS} is expected")
+    for name, row in table().whole.items():
+        value = given.get(name, 1.0)
+        _check_least(name, value, row)
+        if row.least == "+0" and not SMALLEST <= float(value) <= LARGEST:
+            raise OptionError(f"set {name}={value}: a number from {SMALLEST:g} to {LARGEST:g} [{row.unit}] is expected")
+    numbers = {name: float(value) for name, value in given.items() if not isinstance(value, str)}
+    return divided(scene, int(n), numbers)
 
 
 # --- settings ---
@@ -161,10 +214,10 @@ def _settings(
     by_name = {variable.name: variable for variable in variables}
     for name, value in settings.given.items():
         _check_given(name, value, by_name)
-    over_time = (v.name for v in variables if v.kind not in (Kind.TIME, Kind.SOLVER_CHOICE))
+    over_time = (v.name for v in elements_of(variables, scene.cable.n) if v.kind not in (Kind.TIME, *_CHOICES))
     recordable = [*GROUPS, *STATICS_GROUPS, *over_time]
     for name in settings.record:
-        if name in ENUMERATIONS:
+        if name in by_name and by_name[name].kind in _CHOICES:
             raise OptionError(f"record {name}: it is a fixed choice, not a number over time")
         if name not in recordable:
             raise OptionError(f"record {name}: there is no such variable{_nearest(name, recordable)}")
@@ -178,7 +231,7 @@ def _positive(name: str, value: float, unit: str) -> float:
 
 
 def _check_given(name: str, value: float | str, variables: Mapping[str, Variable]) -> None:
-    settable = [v.name for v in variables.values() if v.kind in SETTABLE]
+    settable = [v.name for v in variables.values() if v.kind in SETTABLE and v.initial != "calculated"]
     if name not in variables:
         raise OptionError(f"set {name}: there is no such variable{_nearest(name, settable)}")
     if name not in settable:
@@ -189,12 +242,31 @@ def _check_given(name: str, value: float | str, variables: Mapping[str, Variable
         if value not in allowed:
             raise OptionError(f"set {name}={value}: one of {', '.join(allowed)} is expected")
         return
+    row = (table().parameters | table().whole).get(name)
+    _check_least(name, value, row or Row(name, variables[name].unit, "", 0))
+
+
+def _check_least(name: str, value: float | str, row: Row) -> None:
     if isinstance(value, str) or not math.isfinite(value):
-        raise OptionError(f"set {name}={value}: a finite number [{variables[name].unit}] is expected")
-    least = table().parameters[name].least if variables[name].kind is Kind.PARAMETER else "-inf"
-    if value < float(least) or (least == "+0" and value == 0.0):
-        expected = "a number above 0" if least == "+0" else f"a number of {least} or more"
-        raise OptionError(f"set {name}={value}: {expected} [{variables[name].unit}] is expected")
+        raise OptionError(f"set {name}={value}: a finite number [{row.unit}] is expected")
+    if value < float(row.least) or (row.least == "+0" and value == 0.0):
+        expected = "a number above 0" if row.least == "+0" else f"a number of {row.least} or more"
+        raise OptionError(f"set {name}={value}: {expected} [{row.unit}] is expected")
+
+
+def _between_states(
+    settings: Settings, saved: SavedState | None, save_state: str | Path | None, archive: Archive | None
+) -> Settings:
+    """With what the run goes on from, and where its end is kept."""
+    if archive and (saved or save_state) and not archive.description.coSimulation.canSerializeFMUstate:
+        raise OptionError(f"{archive.path}: this FMU cannot save its state; one from `cablefmu build` can")
+    settings = replace(settings, saved=saved, save_state=None if save_state is None else Path(save_state))
+    if not settings.stop_time > settings.start_time * (1.0 + _ROUNDING):
+        raise OptionError(
+            f"stop time = {settings.stop_time} s: the state is of t = {settings.start_time:.12g} s; "
+            "a later time is expected"
+        )
+    return settings
 
 
 def _nearest(name: str, allowed: Sequence[str]) -> str:
@@ -205,21 +277,32 @@ def _nearest(name: str, allowed: Sequence[str]) -> str:
 # --- the run ---
 
 
-def _run(archive: Archive, settings: Settings, folder: str, progress: Progress | None) -> xr.Dataset:
-    scene, variables = archive.scene, _variables(archive.scene, archive)
+def _run(
+    archive: Archive, scene: Scene, variables: list[Variable], settings: Settings, folder: str,
+    progress: Progress | None,
+) -> xr.Dataset:  # fmt: skip
+    elements = elements_of(variables, scene.cable.n)
     by_name = {variable.name: variable for variable in variables}
     signals = {name: scene.signals[name] for name in scene.cable.inputs}
     # A force that was set is constant, in place of the scene's.
     signals |= {name: Constant(float(value)) for name, value in settings.given.items() if name in signals}
     feed = Feed(signals)
-    recording = Recording([*_outputs(variables), *_recorded(variables, settings.record)])
+    recording = Recording([*_outputs(elements), *_recorded(elements, settings.record)])
     driver = make_driver(archive.fmi, settings.interface, archive.description, folder, feed)
     try:
+        read = _reader(driver, recording.variables, scene.cable.n)
         started = clock.perf_counter()
-        driver.start(0.0, settings.stop_time, settings.tolerance, *_set_before(settings.given, by_name))
-        failure = _advance(driver, feed, settings.times(), recording, progress)
+        numbers, choices = _set_before(settings.given, by_name)
+        if settings.saved:
+            driver.resize(choices)
+            resume(driver, settings.saved)
+        else:
+            driver.start(0.0, settings.stop_time, settings.tolerance, numbers, choices)
+        failure = _advance(driver, read, feed, settings.times(), recording, progress)
         statistics: dict[str, float] = dict(driver.counters()) if failure is None else {}
         statistics["run_time"] = clock.perf_counter() - started
+        if settings.save_state and failure is None:
+            _save(driver, archive, settings)
     finally:
         driver.close()
     result = dataset(recording, scene, {
@@ -233,16 +316,26 @@ def _run(archive: Archive, settings: Settings, folder: str, progress: Progress |
     raise RunError(str(failure), time=reached, partial=result)
 
 
+def _save(driver: Driver, archive: Archive, settings: Settings) -> None:
+    assert settings.save_state
+    write_state(settings.save_state, SavedState(
+        scene=hash_of(archive.scene), fmi=archive.fmi, time=settings.times()[-1], step=settings.step,
+        tolerance=settings.tolerance, given=settings.given, image=driver.save(), source=str(settings.save_state),
+    ))  # fmt: skip
+
+
 def _set_before(
     given: Mapping[str, float | str], variables: Mapping[str, Variable]
 ) -> tuple[dict[int, float], dict[int, int]]:
-    """Numbers and values of enumerations, each by reference."""
+    """Numbers and integers (values of enumerations, the number of links), each by reference."""
     numbers: dict[int, float] = {}
     choices: dict[int, int] = {}
     for name, value in given.items():
         reference, enumeration = variables[name].reference, variables[name].enumeration
         if enumeration:
             choices[reference] = enumeration.value_of(str(value))
+        elif variables[name].kind is Kind.LINKS:
+            choices[reference] = int(value)
         else:
             numbers[reference] = float(value)
     return numbers, choices
@@ -258,20 +351,34 @@ def _recorded(variables: list[Variable], record: Sequence[str]) -> list[Variable
     return [v for v in variables if v.name in wanted and v.causality != "output"]
 
 
+def _reader(driver: Driver, variables: list[Variable], n: int) -> Callable[[], list[float]]:
+    """What reads the present values of these variables; an array is read once, and its elements are taken out."""
+    size = {variable.reference: n if variable.dimension is not None else 1 for variable in variables}
+    before = dict(zip(size, accumulate(size.values(), initial=0), strict=False))
+    places = [before[v.reference] + (v.index if v.dimension is not None else 0) for v in variables]
+    references = list(size)
+
+    def read() -> list[float]:
+        values = driver.get(references)
+        return [values[place] for place in places]
+
+    return read
+
+
 def _advance(
-    driver: Driver, feed: Feed, times: list[float], recording: Recording, progress: Progress | None
-) -> RunError | None:
+    driver: Driver, read: Callable[[], list[float]], feed: Feed, times: list[float], recording: Recording,
+    progress: Progress | None,
+) -> RunError | None:  # fmt: skip
     """From each output time to the next, in pieces that no jump of a force lies in; the error that ended it."""
-    references = [variable.reference for variable in recording.variables]
     try:
-        recording.add(times[0], driver.get(references))
+        recording.add(times[0], read())
         for start, end in pairwise(times):
             time = start
             while time < end:
                 reach = feed.next_break(time, end)
                 driver.advance(time, reach)
                 time = reach
-            values = driver.get(references)
+            values = read()
             if not np.all(np.isfinite(values)):
                 return RunError(f"an output is not a finite number at t = {end} s")
             recording.add(end, values)

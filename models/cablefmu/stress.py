@@ -2,7 +2,9 @@
 
 - `stress_grid` the cases, from stress.toml
 - `stress_run` one run in a process that may hang or crash
+- `stress_accelerations` the FMU's right-hand side beside the dense equation
 - `stress_verdict` references, horizon, verdict
+- `stress_baseline` what was measured once
 - `stress_table` lines for the terminal, CSV, JSON, Markdown
 - `stress_page` a page with a heat map
 """
@@ -14,7 +16,8 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Sequence
+import traceback
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -24,6 +27,7 @@ from cyclopts import Parameter
 
 from .errors import OptionError, RunError
 from .files import check_writable
+from .stress_baseline import Measured, baseline, write_baseline
 from .stress_grid import Case, grid
 from .stress_page import write_page
 from .stress_run import Worker
@@ -41,32 +45,42 @@ def stress(
     short: Annotated[bool, Parameter(negative=(), help="The short subset, less than a minute.")] = False,
     show: Annotated[str | None, Parameter(help="Print this case as a scene file, and run nothing.")] = None,
     markdown: Annotated[Path | None, Parameter(help="Write the table of the whole grid, FILE.md.")] = None,
+    record: Annotated[
+        Path | None, Parameter(help="Write what the whole grid measured, FILE.csv, and compare with nothing measured.")
+    ] = None,
     jobs: Annotated[int | None, Parameter(help="Cases at a time; as many as there are cores by default.")] = None,
 ) -> None:
     """Run stiff and extreme cases, each against references, and say what came of them."""
     if show is not None:
-        if only is not None or short or markdown is not None:
+        if only is not None or short or markdown is not None or record is not None:
             raise OptionError("show: it goes with no other option")
         sys.stdout.write(_named(show).text)
         return
-    if markdown is not None and (short or only is not None):
-        raise OptionError("markdown: the table is that of the whole grid; leave --short and --only out")
-    if markdown is not None and markdown.suffix != ".md":
-        raise OptionError(f"markdown = {markdown}: a name that ends with .md is expected")
+    for name, path, suffix in (("markdown", markdown, ".md"), ("record", record, ".csv")):
+        if path is not None and (short or only is not None):
+            raise OptionError(f"{name}: the table is that of the whole grid; leave --short and --only out")
+        if path is not None and path.suffix != suffix:
+            raise OptionError(f"{name} = {path}: a name that ends with {suffix} is expected")
     if jobs is not None and not 1 <= jobs <= 256:
         raise OptionError(f"jobs = {jobs}: 1 to 256 are expected")
     cases = _chosen(only, short)
-    for path in (FOLDER / "stress.csv", *([markdown] if markdown else [])):
+    for path in (FOLDER / "stress.csv", *(file for file in (markdown, record) if file)):
         check_writable(path)
     rows: list[Row] = []
     print(header())
-    for row in rows_of(cases, jobs or _cores()):
+    for row in rows_of(cases, jobs or _cores(), {} if record else baseline()):
         print(line(row), flush=True)
         rows.append(row)
     files = [*write_results(rows, FOLDER), write_page(rows, FOLDER / "stress.html")]
     if markdown is not None:
         write_markdown(rows, markdown)
         files.append(markdown)
+    if record is not None:
+        ended = [row for row in rows if row.verdict == "within tolerance"]
+        write_baseline(
+            ((row.case.name, Measured(row.ratio, row.energy, int(row.figures["steps"]))) for row in ended), record
+        )
+        files.append(record)
     print(summary(rows))
     print("results: " + ", ".join(map(str, files)))
     failed = [row.case.name for row in rows if not row.passed]
@@ -74,8 +88,11 @@ def stress(
         raise RunError(f"{len(failed)} of {len(rows)} cases failed: {', '.join(failed)}")
 
 
-def rows_of(cases: Sequence[Case], jobs: int) -> Iterator[Row]:
-    """Judge cases, so many at a time, each in a process; in the order given, as they come."""
+def rows_of(cases: Sequence[Case], jobs: int, measured: Mapping[str, Measured]) -> Iterator[Row]:
+    """Judge cases, so many at a time, each in a process; in the order given, as they come.
+
+    Whatever happens to one of them, the others are run, and it has its row.
+    """
     own = threading.local()
     workers: list[Worker] = []
 
@@ -83,7 +100,10 @@ def rows_of(cases: Sequence[Case], jobs: int) -> Iterator[Row]:
         if not hasattr(own, "worker"):
             own.worker = Worker()
             workers.append(own.worker)
-        return judge(case, own.worker.ask, Path(folder))
+        try:
+            return judge(case, own.worker.ask, Path(folder), measured.get(case.name))
+        except Exception:
+            return Row(case, "crash", traceback.format_exc())
 
     with tempfile.TemporaryDirectory(prefix="cablefmu-") as folder, ThreadPoolExecutor(jobs) as pool:
         try:

@@ -4,33 +4,38 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
 from .files import replacing
+from .pages import html_page
 from .stress_table import COLUMNS, explained, made_with, plain, summary
 from .stress_verdict import LIMIT, Row
 
 __all__ = ["write_page"]
 
 _SHOWN = (
-    "case", "changed", "fmi", "n", "tolerance", "solver", "steps", "seconds", "error", "ratio", "growth", "horizon",
-    "verdict", "references", "message",
+    "case", "verdict", "solver", "n", "tolerance", "fmi", "steps", "seconds", "error", "ratio", "energy",
+    "accelerations", "worse", "longer", "growth", "horizon", "references", "changed", "message",
 )  # fmt: skip
-_CELL, _LINE, _LEFT, _TOP, _GAP = 11, 14, 110, 34, 24
-"""Pixels: a cell, a line of them, room for the groups' names, for the headings, between panels."""
+_WIDE = {"changed": ' class="words"', "message": ' class="words"'}
+_CELL, _LINE, _LEFT = 11, 14, 88
+"""Pixels: a cell, a line of them, room for the groups' names."""
 _SOLVERS = {"explicit": "#4a90c2", "implicit": "#e08a2e", "both": "#8e62a8"}
 _NOTHING, _FAILED = "#cfcfcf", "#c00000"
 
 _STYLE = """
-body { font: 14px sans-serif; margin: 2em; color: #222; }
-p { max-width: 60em; }
-table { border-collapse: collapse; font-size: 12px; }
-td, th { padding: 2px 6px; border-bottom: 1px solid #ddd; text-align: left; }
-tr.failed { background: #fbdcdc; }
-td:nth-child(2) { max-width: 30em; overflow-wrap: anywhere; }
+table { font-size: 12px; } th, td { text-align: left; vertical-align: top; padding-right: .6rem; }
+th { position: sticky; top: 0; background: var(--ground); }
+tr.failed { background: var(--bad); }
+td.words { white-space: normal; min-width: 14rem; max-width: 24rem; overflow-wrap: anywhere; }
+.map { display: flex; flex-wrap: wrap; gap: 1rem 1.5rem; margin: 1.5rem 0; }
+.map figure { margin: 0; overflow-x: auto; } .map figcaption { font-size: 13px; margin-bottom: .3rem; }
+.map svg { display: block; fill: currentColor; }
+.key { display: inline-block; width: .8em; height: .8em; margin: 0 .25em 0 .7em; vertical-align: -.05em; }
+.ramp { width: 7em; margin: 0 .4em; }
 """
 
 
@@ -42,13 +47,10 @@ def write_page(rows: Sequence[Row], path: Path) -> Path:
     OptionError
         If the file cannot be written.
     """
-    words = "".join(f"<p>{html.escape(text)}</p>\n" for text in (made_with(), summary(rows), *explained()))
-    page = (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>Stiff and extreme cases</title>\n'
-        f"<style>{_STYLE}</style></head><body>\n<h1>Stiff and extreme cases</h1>\n{words}{_heat_map(rows)}\n"
-        f"{_table(rows)}"
-        "</body></html>\n"
-    )
+    title = "Stiff and extreme cases"
+    words = "".join(f"<p>{html.escape(text)}</p>\n" for text in explained())
+    body = [f"<h1>{title}</h1>", f"<p><b>{html.escape(summary(rows))}</b></p>", words, _heat_map(rows), _table(rows)]
+    page = html_page(title, body, style=_STYLE, made_with=made_with())
     with replacing(path) as temporary:
         temporary.write_text(page, encoding="utf-8")
     return path
@@ -58,7 +60,7 @@ def _table(rows: Sequence[Row]) -> str:
     value = dict(COLUMNS)
     lines = ["<table><thead><tr>" + "".join(f"<th>{name}</th>" for name in _SHOWN) + "</tr></thead><tbody>"]
     for row in rows:
-        cells = "".join(f"<td>{_cell(value[name](row))}</td>" for name in _SHOWN)
+        cells = "".join(f"<td{_WIDE.get(name, '')}>{_cell(value[name](row))}</td>" for name in _SHOWN)
         lines.append(f'<tr class="{"" if row.passed else "failed"}">{cells}</tr>')
     return "\n".join([*lines, "</tbody></table>\n"])
 
@@ -69,7 +71,7 @@ def _cell(value: object) -> str:
 
 @dataclass(frozen=True)
 class _Panel:
-    """One figure of every case: its heading, colour and words."""
+    """One figure of every case: its heading (HTML), colour and words."""
 
     heading: str
     colour: Callable[[Row], str]
@@ -80,31 +82,51 @@ def _steps(row: Row) -> float:
     return row.figures.get("steps", math.nan)
 
 
-_PANELS = (
-    _Panel("solver: explicit, implicit, both", lambda r: _SOLVERS.get(r.solver, _NOTHING), lambda r: r.solver),
-    _Panel("steps: 1 to 1e6", lambda r: _shade(_steps(r), 1.0, 1e6), lambda r: f"{_steps(r):,.0f} steps"),
-    _Panel(f"time: 1 ms to {LIMIT:g} s", lambda r: _shade(r.seconds, 1e-3, LIMIT), lambda r: f"{r.seconds:.3g} s"),
-    _Panel(
-        "error / allowed: 1e-6 to 1", lambda r: _shade(r.ratio, 1e-6, 1.0), lambda r: f"{r.ratio:.2g} of the allowed"
-    ),
-)
+def _heat(name: str, low: str, high: str) -> str:
+    """A heading with the colours from one number to the other."""
+    stops = ", ".join(_shade(10.0**share, 1.0, 10.0) for share in (0.0, 0.25, 0.5, 0.75, 1.0))
+    ramp = f'<span class="key ramp" style="background: linear-gradient(to right, {stops})"></span>'
+    return f"{name} &ensp;{low}{ramp}{high}"
+
+
+def _keys(colours: Mapping[str, str]) -> str:
+    return "".join(f'<span class="key" style="background: {colour}"></span>{name}' for name, colour in colours.items())
+
+
+def _panels() -> tuple[_Panel, ...]:
+    return (
+        _Panel(f"solver {_keys({**_SOLVERS, 'did not run': _NOTHING})}", lambda r: _SOLVERS.get(r.solver, _NOTHING),
+               lambda r: r.solver),
+        _Panel(_heat("steps", "1", "1e6"), lambda r: _shade(_steps(r), 1.0, 1e6), lambda r: f"{_steps(r):,.0f} steps"),
+        _Panel(_heat("time", "1 ms", f"{LIMIT:g} s"), lambda r: _shade(r.seconds, 1e-3, LIMIT),
+               lambda r: f"{r.seconds:.3g} s"),
+        _Panel(_heat("error / allowed", "1e-6", "1"), lambda r: _shade(r.ratio, 1e-6, 1.0),
+               lambda r: f"{r.ratio:.2g} of the allowed"),
+        _Panel(_heat("energy balance / allowed", "1e-6", "1"), lambda r: _shade(r.energy, 1e-6, 1.0),
+               lambda r: f"off by {r.energy:.2g} of the allowed"),
+        _Panel(_heat("accelerations / allowed", "1e-6", "1"), lambda r: _shade(r.accelerations, 1e-6, 1.0),
+               lambda r: f"off by {r.accelerations:.2g} of the allowed"),
+    )  # fmt: skip
 
 
 def _heat_map(rows: Sequence[Row]) -> str:
     """A line per group of the grid; in every panel a cell per case, with its name and number under the pointer."""
     groups = [(name, list(members)) for name, members in groupby(rows, lambda row: row.case.group)]
-    across = max(len(members) for _, members in groups) * _CELL + _GAP
-    across = max(across, 190)  # room for the headings
-    width, height = _LEFT + len(_PANELS) * across, _TOP + len(groups) * _LINE + 10
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-size="11">']
-    for k, panel in enumerate(_PANELS):
-        parts.append(f'<text x="{_LEFT + k * across}" y="{_TOP - 10}">{html.escape(panel.heading)}</text>')
-    for line, (group, members) in enumerate(groups):
-        y = _TOP + line * _LINE
-        parts.append(f'<text x="{_LEFT - 8}" y="{y + 9}" text-anchor="end">{html.escape(group)}</text>')
-        for k, panel in enumerate(_PANELS):
-            parts += [_square(_LEFT + k * across + i * _CELL, y, panel, row) for i, row in enumerate(members)]
-    return "\n".join([*parts, "</svg>"])
+    width = _LEFT + max(len(members) for _, members in groups) * _CELL + 2
+    height = len(groups) * _LINE + 2
+    parts = ['<div class="map">']
+    for panel in _panels():
+        parts.append(f"<figure><figcaption>{panel.heading}</figcaption>")
+        parts.append(
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-size="11" '
+            'font-family="sans-serif">'
+        )
+        for line, (group, members) in enumerate(groups):
+            y = 1 + line * _LINE
+            parts.append(f'<text x="{_LEFT - 6}" y="{y + 9}" text-anchor="end">{html.escape(group)}</text>')
+            parts += [_square(_LEFT + i * _CELL, y, panel, row) for i, row in enumerate(members)]
+        parts.append("</svg></figure>")
+    return "\n".join([*parts, "</div>"])
 
 
 def _square(x: int, y: int, panel: _Panel, row: Row) -> str:

@@ -13,6 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
+from pickle import UnpicklingError
+from signal import Signals
 from typing import Any
 
 import numpy as np
@@ -24,12 +26,15 @@ from .fmu.archive import build_fmu
 from .plot import node_positions
 from .scene import Scene
 from .simulate import simulate
+from .stress_accelerations import acceleration_share
 from .stress_grid import Case
 
-__all__ = ["Answer", "Request", "Worker"]
+__all__ = ["ACCELERATIONS", "Answer", "Request", "Worker"]
 
 DENSE = ("DOP853", "Radau")
+ACCELERATIONS = "accelerations"
 _LEAVING = 5.0  # seconds that a process may take to end when asked
+_STARTING = 120.0  # seconds that it may take to load the package, on a machine that is busy
 
 
 @dataclass(frozen=True)
@@ -40,7 +45,8 @@ class Request:
     fmu: Path
     """Its FMU; made if it is not there yet."""
     solver: str | None = None
-    """"explicit" or "implicit"; "DOP853" or "Radau": the dense reference under scipy."""
+    """"explicit" or "implicit"; "DOP853" or "Radau": the dense reference under scipy; `ACCELERATIONS`: no motion, but
+    those compared with the dense equation."""
     step: float | None = None
     """Communication step and output interval [s]."""
     tolerance: float | None = None
@@ -62,7 +68,8 @@ class Answer:
     seconds: float = 0.0
     """What the run took, without preparations."""
     figures: Mapping[str, float] = field(default_factory=dict)
-    """Steps, rejected, rhs, ... of the solver, and the share of output intervals that ended implicit."""
+    """Steps, rejected, rhs, ... of the solver; "implicit", the share of output intervals that ended so; "force", the
+    largest in the cable or on it [N]; "accelerations", their error over what is allowed."""
     facts: Mapping[str, float] = field(default_factory=dict)
     """Of the scene: n, length [m], stop_time [s], step [s], tolerance."""
 
@@ -84,9 +91,11 @@ class Worker:
             if self._pipe.poll(limit):
                 answer: Answer = self._pipe.recv()
                 return answer
-        except (EOFError, OSError):
-            status = self._kill()
-            return Answer("crash", f"the process ended with status {status}")
+        except TimeoutError:
+            self._kill()
+            return Answer("hang", f"the worker was not ready after {_STARTING:g} s")
+        except (EOFError, OSError, UnpicklingError):  # it died, perhaps in the middle of an answer
+            return Answer("crash", f"the worker died: {_cause(self._kill())}")
         self._kill()
         return Answer("hang", f"no end after {limit:g} s", seconds=limit)
 
@@ -101,6 +110,8 @@ class Worker:
         self._process = context.Process(target=_serve, args=(other,), daemon=True)
         self._process.start()
         other.close()
+        if not self._pipe.poll(_STARTING):
+            raise TimeoutError
         self._pipe.recv()  # imports are done: limits count from here
 
     def _kill(self) -> int | None:
@@ -111,6 +122,14 @@ class Worker:
         self._pipe = None
         status: int | None = self._process.exitcode
         return status
+
+
+def _cause(status: int | None) -> str:
+    """An exit status in words."""
+    if status is None or status >= 0:
+        return f"it ended with status {status}"
+    name = Signals(-status).name
+    return f"killed by {name}" + (", by the system for want of memory perhaps" if name == "SIGKILL" else "")
 
 
 def _serve(pipe: Connection) -> None:
@@ -133,7 +152,7 @@ def answer_to(request: Request) -> Answer:
             "n": scene.cable.n, "length": float(np.sum(scene.cable.links.length)), "stop_time": scene.stop_time,
             "step": scene.step, "tolerance": scene.tolerance,
         }  # fmt: skip
-        run = _dense if request.solver in DENSE else _own
+        run = _accelerations if request.solver == ACCELERATIONS else _dense if request.solver in DENSE else _own
         return replace(run(request, scene), facts=facts)
     except CableError as error:
         partial = getattr(error, "partial", None)
@@ -164,7 +183,19 @@ def _own(request: Request, scene: Scene) -> Answer:
     result = simulate(
         request.fmu, step=request.step, tolerance=request.tolerance, parameters=parameters, record=["theta"]
     )  # fmt: skip
-    return Answer("ended", **_motion(result))
+    answer = Answer("ended", **_motion(result))
+    pulls = (float(np.max(np.abs(result[name].values))) for name in ("tension_top", "tension_end", "tension_max"))
+    return replace(answer, figures={**answer.figures, "force": max(*pulls, _largest_force(scene))})
+
+
+def _largest_force(scene: Scene) -> float:
+    """Of the inputs [N]; sampled, at a count that no sine of the grid is in step with."""
+    times = np.linspace(0.0, scene.stop_time, 1009)
+    return max((abs(signal(float(t))) for signal in scene.signals.values() for t in times), default=0.0)
+
+
+def _accelerations(request: Request, scene: Scene) -> Answer:
+    return Answer("ended", figures={"accelerations": acceleration_share(scene, request.fmu)})
 
 
 def _motion(result: xr.Dataset) -> dict[str, Any]:

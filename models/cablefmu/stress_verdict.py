@@ -12,12 +12,26 @@ how much the distance between two starts that differ by `NUDGE` in the angles ha
 from below `TRACE` of what it was, where rounding begins). It is some tens in a whip or a snap, and grows without bounds
 in a chaotic motion. That is compared up to its horizon, where the two starts are `PARTING` times as far apart as they
 were, or r K passes `ANYTHING`; `FEWEST` output times must come before it, or nothing would be said.
+
+The energy balance E(t) - E(0) = work - losses, which the solver keeps, may be off by
+
+    allowed = ENERGY r^(4/5) F D + ROUNDING F S
+
+at the end. F D stands for the energy turned over: the largest force in the cable or on it times the farthest way of
+any joint. Work and losses are quadratures of order 4 along the steps, whose size goes with r^(1/5). It needs no
+reference, and no horizon.
+
+Most runs use a thousandth of that. So neither share may grow by more than `WORSE` over what was once measured
+[stress_baseline.py], or over what can be told apart: the distance of two references, rounding, `TIGHTEST` in angles.
+Nor may the number of steps by more than `LONGER`, or by `FEW`: a solver whose Jacobian is wrong keeps its tolerance.
+
+Accelerations are compared with the dense equation at states of the motion [stress_accelerations.py].
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -25,15 +39,22 @@ from pathlib import Path
 import numpy as np
 
 from .cable import Floats
+from .stress_accelerations import MOST_LINKS
+from .stress_baseline import Measured
 from .stress_grid import Case
-from .stress_run import Answer, Request
+from .stress_run import ACCELERATIONS, Answer, Request
 
-__all__ = ["ANYTHING", "LIMIT", "LOOSEST", "MULTIPLE", "NUDGE", "PARTING", "TIGHTER", "TIGHTEST", "Row", "judge"]
+__all__ = [
+    "ANYTHING", "DENSE_LINKS", "ENERGY", "FEW", "LIMIT", "LONGER", "LOOSEST", "MULTIPLE", "NUDGE", "PARTING", "TIGHTER",
+    "TIGHTEST", "WORSE", "Row", "judge",
+]  # fmt: skip
 
 NUDGE = 1e-9
 """[rad]"""
 MULTIPLE = 5.0
 TRACE = 0.01
+ENERGY, ROUNDING = 100.0, 1e-13
+WORSE, LONGER, FEW = 10.0, 3.0, 100
 PARTING, ANYTHING = 1e3, 0.1
 FEWEST = 3
 TIGHTER, TIGHTEST, LOOSEST = 100.0, 1e-12, 1e-7
@@ -51,7 +72,7 @@ class Row:
 
     case: Case
     verdict: str = "crash"
-    """"within tolerance", "clean error", "wrong", "hang" or "crash"."""
+    """"within tolerance", "clean error", "wrong", "worse" than once measured, "hang" or "crash"."""
     message: str = ""
     n: int = 0
     tolerance: float = float("nan")
@@ -64,6 +85,14 @@ class Row:
     """Its largest up to the horizon [m]."""
     ratio: float = float("nan")
     """The largest of error / allowed."""
+    energy: float = float("nan")
+    """Error of the energy balance / allowed."""
+    accelerations: float = float("nan")
+    """Their error / allowed; of up to MOST_LINKS links."""
+    worse: float = float("nan")
+    """How many times more of the allowed it uses than once measured, or than can be told apart."""
+    longer: float = float("nan")
+    """How many times the steps once measured."""
     growth: float = float("nan")
     """K at the horizon."""
     spread: float = float("nan")
@@ -84,7 +113,7 @@ _SAME_TIME = 1e-9
 Ask = Callable[[Request, float], Answer]
 
 
-def judge(case: Case, ask: Ask, folder: Path) -> Row:
+def judge(case: Case, ask: Ask, folder: Path, measured: Measured | None = None) -> Row:
     """Run a case, find references and compare.
 
     Parameters
@@ -95,6 +124,8 @@ def judge(case: Case, ask: Ask, folder: Path) -> Row:
         Runs a request within a limit [s] (`Worker.ask`).
     folder
         Where its FMU may lie meanwhile.
+    measured
+        The shares that it must not exceed by much; None: any.
     """
     fmu = folder / f"{case.name}.fmu"
     row = Row(case)
@@ -106,7 +137,7 @@ def judge(case: Case, ask: Ask, folder: Path) -> Row:
     elif case.fails:
         row.verdict, row.message = "wrong", f"this should have ended in an error: {case.fails}"
     else:
-        _compare(row, run, _references(case, fmu, run, ask), ask)
+        _weigh(row, run, Request(case, fmu), ask, measured)
     fmu.unlink(missing_ok=True)
     return row
 
@@ -120,11 +151,50 @@ def _describe(row: Row, run: Answer) -> None:
     row.solver = "" if implicit is None else {0.0: "explicit", 1.0: "implicit"}.get(implicit, "both")
 
 
-def _references(case: Case, fmu: Path, run: Answer, ask: Ask) -> dict[str, tuple[Request, Answer]]:
+class _CrashError(Exception):
+    """A run beside the one that is judged crashed."""
+
+
+def _weigh(row: Row, run: Answer, request: Request, ask: Ask, measured: Measured | None) -> None:
+    """Everything that a run which ended is judged by; the first that fails is the verdict."""
+
+    def surely(request: Request, limit: float) -> Answer:
+        answer = ask(request, limit)
+        if answer.outcome == "crash":
+            raise _CrashError(f"the run for {request.solver}: {answer.message}")
+        return answer
+
+    try:
+        known = _compare(row, run, _references(request, run, surely), surely)
+        if row.verdict == "within tolerance":
+            _compare_accelerations(row, request, surely)
+    except _CrashError as crash:
+        row.verdict, row.message = "crash", str(crash)
+        return
+    known_energy = _compare_energy(row, run)
+    if row.verdict == "within tolerance" and measured is not None:
+        row.worse = max(row.ratio / max(measured.position, known), row.energy / max(measured.energy, known_energy))
+        row.longer = row.figures["steps"] / max(measured.steps, 1)
+        _compare_with_once(row, measured)
+
+
+def _compare_with_once(row: Row, measured: Measured) -> None:
+    if not row.worse <= WORSE:
+        row.verdict = "worse"
+        row.message = (
+            f"{row.worse:.3g} times what was once measured: of the allowed error {row.ratio:.2g}, "
+            f"then {measured.position:.2g}; of energy {row.energy:.2g}, then {measured.energy:.2g}"
+        )
+    elif row.figures["steps"] > LONGER * measured.steps + FEW:
+        row.verdict = "worse"
+        row.message = f"{row.figures['steps']:,.0f} steps, {row.longer:.3g} times what was once measured"
+
+
+def _references(plain: Request, run: Answer, ask: Ask) -> dict[str, tuple[Request, Answer]]:
     """Those that ended, by name: own explicit and implicit solver, dense matrices; if it is but one, that one twice."""
     rows = math.ceil((len(run.times) - 1) / MOST_ROWS)
     tolerance = min(max(run.facts["tolerance"] / TIGHTER, TIGHTEST), LOOSEST)
-    base = Request(case, fmu, step=rows * run.facts["step"], tolerance=tolerance)
+    base = replace(plain, step=rows * run.facts["step"], tolerance=tolerance)
     found: dict[str, tuple[Request, Answer]] = {}
 
     def add(name: str, request: Request, limit: float) -> None:
@@ -143,20 +213,55 @@ def _references(case: Case, fmu: Path, run: Answer, ask: Ask) -> dict[str, tuple
     return found
 
 
-def _compare(row: Row, run: Answer, references: Mapping[str, tuple[Request, Answer]], ask: Ask) -> None:
+def _compare_accelerations(row: Row, request: Request, ask: Ask) -> None:
+    if row.n > MOST_LINKS:
+        return
+    answer = ask(replace(request, solver=ACCELERATIONS), REFERENCE_LIMIT)
+    row.accelerations = answer.figures.get("accelerations", math.inf)
+    if not row.accelerations <= 1.0:
+        row.verdict = "wrong"
+        row.message = answer.message or (
+            f"accelerations differ from those of the dense equation, {row.accelerations:.3g} times what is allowed"
+        )
+
+
+def _compare_energy(row: Row, run: Answer) -> float:
+    """The share of the allowed that can be told from rounding."""
+    way = run.points - run.points[0]
+    farthest = float(np.max(np.hypot(way[..., 0], way[..., 1])))
+    force, scale = run.figures["force"], _scale(run.facts["length"], [run])
+    rounding = ROUNDING * force * scale
+    allowed = ENERGY * row.tolerance**0.8 * force * farthest + rounding
+    if allowed == 0.0:  # nothing acts
+        row.energy = 0.0 if run.figures["energy_residual"] == 0.0 else math.inf
+        return 1.0
+    row.energy = abs(run.figures["energy_residual"]) / allowed
+    if row.verdict == "within tolerance" and not row.energy <= 1.0:
+        row.verdict = "wrong"
+        row.message = f"the energy balance is off by {row.energy:.3g} times what is allowed"
+    return float(rounding / allowed)
+
+
+def _scale(length: float, answers: Sequence[Answer]) -> float:
+    """S [m]"""
+    return max(length, max(float(np.max(np.abs(answer.points))) for answer in answers))
+
+
+def _compare(row: Row, run: Answer, references: Mapping[str, tuple[Request, Answer]], ask: Ask) -> float:
+    """Positions; the share of the allowed that references can tell apart."""
     answers = [answer for _, answer in references.values()]
     row.references = ", ".join(references)
     if len(answers) < 2:
         row.verdict, row.message = "wrong", "there are no two references to judge by"
-        return
-    scale = max(run.facts["length"], max(float(np.max(np.abs(answer.points))) for answer in answers))
+        return math.nan
+    scale = _scale(run.facts["length"], answers)
     times, parted = _parted(references, run, scale, ask)
     growth = np.fmax.accumulate(parted / np.minimum.accumulate(np.clip(parted, TRACE, 1.0)))
     growth = np.fmax(growth, 1.0)
     known = (np.fmax.accumulate(parted) <= PARTING) & (growth <= ANYTHING / row.tolerance)
     if np.count_nonzero(known) - 1 < min(FEWEST, len(times) - 1):
         row.verdict, row.message = "wrong", "too chaotic for its output times: nothing to compare"
-        return
+        return math.nan
     row.horizon = float(times[known][-1])
     row.growth = float(growth[known][-1])
 
@@ -174,6 +279,8 @@ def _compare(row: Row, run: Answer, references: Mapping[str, tuple[Request, Answ
     row.verdict = "within tolerance" if row.ratio <= 1.0 else "wrong"
     if row.verdict == "wrong":
         row.message = f"{row.error:.2g} m from a reference, {row.ratio:.3g} times what is allowed"
+    between = max(apart(one, other, share=True) for one, other in combinations(answers, 2))
+    return max(between, TIGHTEST / (MULTIPLE * row.tolerance))
 
 
 def _parted(

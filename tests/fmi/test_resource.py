@@ -7,10 +7,12 @@ import hashlib
 import random
 import shutil
 import struct
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
 
 from cablefmu.fmu.resource import token_of
 from tests.conftest import Unpacked
@@ -115,7 +117,7 @@ def test_damage_is_refused(seed: int, spoilt: Path, fmi: int) -> None:
 
 
 HEADER = {"version": 8, "links": 12, "terminal": 16, "drag": 20, "parameters": 32, "inputs": 36, "outputs": 40,
-          "solver": 48, "initial": 52}  # fmt: skip
+          "solver": 48, "initial": 52, "shape": 56, "whole": 60}  # fmt: skip
 
 
 @both
@@ -125,7 +127,7 @@ def test_the_header_is_checked_even_if_the_token_fits(entry: str, value: int, sp
     resource = spoilt / "resources" / "cable.bin"
     content = bytearray(resource.read_bytes())
     struct.pack_into("<I", content, HEADER[entry], value)
-    if entry in ("terminal", "drag", "solver", "initial") and value == 0:
+    if entry in ("terminal", "drag", "solver", "initial", "shape", "whole") and value == 0:
         content[HEADER[entry]] = 9  # 0 is a kind as well
     resource.write_bytes(content)
     assert "is not a cable of this version, or is damaged" in refusal(spoilt, token=token_of(bytes(content)))
@@ -153,6 +155,78 @@ def test_impossible_lengths_are_refused_even_if_the_token_fits(value: float, spo
     struct.pack_into("<d", content, at, value)
     resource.write_bytes(content)
     assert "holds impossible values" in refusal(spoilt, token=token_of(bytes(content)))
+
+
+def with_whole(folder: Path, target: Path, place: int, value: float) -> tuple[Path, str]:
+    """A copy of an FMU with arrays, one number of the whole cable replaced, and the token that fits."""
+    copy = Path(shutil.copytree(folder, target))
+    resource = copy / "resources" / "cable.bin"
+    content = bytearray(resource.read_bytes())
+    at = content.index(struct.pack("<3d", 20.0, 0.02, 7850.0))  # L, D, rho_cable
+    struct.pack_into("<d", content, at + 8 * place, value)
+    resource.write_bytes(content)
+    return copy, token_of(bytes(content))
+
+
+@pytest.mark.parametrize("place", range(5))
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0])
+def test_impossible_cables_are_refused_even_if_the_token_fits(
+    place: int, value: float, unpacked_arrays: Callable[[str], Path], tmp_path: Path
+) -> None:
+    folder, token = with_whole(unpacked_arrays("load"), tmp_path / "fmu", place, value)
+    if (place, value) == (4, -1.0):  # an angle
+        with Host(folder, token=token) as host:
+            assert host.get("theta_start") == [-1.0]
+        return
+    assert "holds impossible values" in refusal(folder, token=token)
+
+
+@pytest.mark.parametrize("entry", HEADER)
+@pytest.mark.parametrize("value", [0, 1, 6, 2**31, 2**32 - 1])
+def test_the_header_of_arrays_is_checked(
+    entry: str, value: int, unpacked_arrays: Callable[[str], Path], tmp_path: Path
+) -> None:
+    folder = Path(shutil.copytree(unpacked_arrays("load"), tmp_path / "fmu"))
+    resource = folder / "resources" / "cable.bin"
+    content = bytearray(resource.read_bytes())
+    struct.pack_into("<I", content, HEADER[entry], value)
+    resource.write_bytes(content)
+    token = token_of(bytes(content))
+    allowed = {"links": (1, 6), "shape": (1,), "terminal": (0, 1), "drag": (0, 1), "solver": (0, 1), "initial": (0, 1)}
+    if value in allowed.get(entry, ()):
+        with Host(folder, token=token) as host:
+            assert host.messages == []
+        return
+    assert "is not a cable of this version, or is damaged" in refusal(folder, token=token)
+
+
+def test_version_2_takes_no_arrays(unpacked: Unpacked, unpacked_arrays: Callable[[str], Path], tmp_path: Path) -> None:
+    """There a value reference stands for one value, and a host has room for no more."""
+    folder = Path(shutil.copytree(unpacked("load", 2), tmp_path / "fmu"))
+    resource = shutil.copy(unpacked_arrays("load") / "resources" / "cable.bin", folder / "resources")
+    says = refusal(folder, token=token_of(Path(resource).read_bytes()))
+    assert says == "cable.bin is that of a cable with arrays, which FMI 2 does not have"
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_damage_to_arrays_is_refused(seed: int, unpacked_arrays: Callable[[str], Path], tmp_path: Path) -> None:
+    test_damage_is_refused(seed, Path(shutil.copytree(unpacked_arrays("pin"), tmp_path / "fmu")), 3)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_any_numbers_are_run_or_refused(seed: int, unpacked_arrays: Callable[[str], Path], tmp_path: Path) -> None:
+    """Wild but possible cables, the token fitting: an answer of numbers or a message, in bounded time."""
+    dice = random.Random(seed)
+    kind = dice.choice(["load", "pin", "floater", "anchor-spring", "anchor-mass"])
+    value = 10.0 ** dice.uniform(-300, 300)
+    folder, token = with_whole(unpacked_arrays(kind), tmp_path / "fmu", dice.randrange(4), value)
+    with Host(folder, token=token) as host:
+        try:
+            host.configure(dice.choice([1, 2, 50])).initialize()
+        except FMICallException:
+            assert host.messages
+            return
+        assert np.all(np.isfinite(host.get(*host.names("output"))))
 
 
 @both

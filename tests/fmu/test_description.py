@@ -212,3 +212,10 @@ def test_the_schema_is_met_from_equilibrium_as_well(kind: str, fmi: int, unpacke
 def test_identifiers_are_those_of_c(name: str, identifier: str) -> None:
     assert model_identifier(name) == identifier
     assert identifier.isidentifier()
+
+
+@both
+def test_the_state_is_offered_by_both_interfaces(fmi: int, unpacked: Unpacked) -> None:
+    with Host(unpacked("load", fmi)) as host:
+        for interface in (host.description.coSimulation, host.description.modelExchange):
+            assert interface.canGetAndSetFMUstate and interface.canSerializeFMUstate

@@ -81,8 +81,9 @@ def expanded(names: str) -> list[str]:
     return [first.replace(f"[{low}]", f"[{k}]") for k in range(low, high + 1)]
 
 
-def page_of(scene: Scene, folder: Path, fmi: int) -> Page:
-    return Page(build_fmu(scene, folder / default_path(scene, fmi).name, fmi=fmi))
+def page_of(scene: Scene, folder: Path, fmi: int, *, arrays: bool = False) -> Page:
+    path = folder / default_path(scene, fmi, arrays=arrays).name
+    return Page(build_fmu(scene, path, fmi=fmi, arrays=arrays))
 
 
 Pages = Callable[[str, int], Page]
@@ -119,7 +120,23 @@ def test_every_shipped_scene_has_a_valid_page_that_needs_nothing_else(name: str,
 @both
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_every_variable_is_listed_once_with_what_the_description_says(name: str, fmi: int, shipped: Pages) -> None:
-    page = shipped(name, fmi)
+    assert_variables_are_listed(shipped(name, fmi))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_arrays_are_listed_and_explained(kind: str, tmp_path: Path) -> None:
+    page = page_of(small_scene(kind), tmp_path, 3, arrays=True)
+    assert_variables_are_listed(page)
+    assert page.listed()["n"] == ("structuralParameter", "–", "5")
+    assert f'"{kind}-fmi3-arrays.fmu"' in page.words("How to run it")
+    assert "is EI over li" in page.words("Equations")
+    assert "k_joint" not in page.text
+    follows = kind not in ("air", "load", "load-volume")
+    assert ("static_load is worked out at the start" in page.words("Limits")) == follows
+    assert "The number of links n is 1 to 10,000" in page.words("Limits")
+
+
+def assert_variables_are_listed(page: Page) -> None:
     described = {v.name: v for v in read_model_description(str(page.path)).modelVariables}
     listed = page.listed()
     assert set(listed) == set(described)

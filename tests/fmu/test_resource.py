@@ -17,20 +17,22 @@ from tests.fmu_helpers import KINDS, small_scene
 
 TERMINALS = {"air": 0, "load": 0, "load-volume": 0, "anchor-mass": 1, "anchor-spring": 2, "floater": 3, "pin": 4}
 
+HEADER = struct.Struct("<8sIIIIQIIIIIIII")
+
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_layout(kind: str) -> None:
     cable, rows = small_scene(kind).cable, table()
     variables = variables_of(cable)
     data = resource_bytes(cable, variables)
-    magic, version, n, terminal, drag, present, *counts, solver, initial = struct.unpack_from("<8sIIIIQIIIIII", data)
-    assert (magic, version, n, terminal) == (b"CABLEFMU", 2, 5, TERMINALS[kind])
-    assert (solver, initial) == (0, 0)
+    magic, version, n, terminal, drag, present, *counts, solver, initial, shape, whole = HEADER.unpack_from(data)
+    assert (magic, version, n, terminal) == (b"CABLEFMU", 3, 5, TERMINALS[kind])
+    assert (solver, initial, shape, whole) == (0, 0, 0, 0)
     assert drag == (0 if kind == "air" else 1)
     assert counts == [len(rows.parameters), len(rows.inputs), len(rows.outputs), len(variables)]
     assert {name for name, row in rows.parameters.items() if present >> row.slot & 1} == set(cable.parameters)
 
-    doubles = np.frombuffer(data, "<f8", count=counts[0] + counts[1] + 2 + 8 * n + 2 * (n + 1), offset=56)
+    doubles = np.frombuffer(data, "<f8", count=counts[0] + counts[1] + 2 + 8 * n + 2 * (n + 1), offset=HEADER.size)
     parameters, inputs, rest, links, state = np.split(doubles, np.cumsum([counts[0], counts[1], 2, 8 * n]))
     assert {name: parameters[rows.parameters[name].slot] for name in cable.parameters} == cable.parameters
     assert tuple(rest) == cable.rest_position
@@ -39,7 +41,7 @@ def test_layout(kind: str) -> None:
     for name, column in zip(columns, links.reshape(8, n), strict=True):
         np.testing.assert_array_equal(column, getattr(cable.links, name))
     np.testing.assert_array_equal(state, np.concatenate([cable.position, cable.velocity]))
-    accessors = list(struct.iter_unpack("<II", data[56 + doubles.nbytes :]))
+    accessors = list(struct.iter_unpack("<II", data[HEADER.size + doubles.nbytes :]))
     assert accessors == [(v.kind, v.index) for v in variables]
 
 

@@ -118,7 +118,9 @@ def test_the_description_is_the_native_one_without_counters(name: str, both: Unp
     assert seen(twin) == seen(native)
     with Host(twin) as host:
         assert host.description.modelExchange is None
-        assert not host.description.coSimulation.canInterpolateInputs
+        offered = host.description.coSimulation
+        assert not (offered.canInterpolateInputs or offered.canGetAndSetFMUstate or offered.canSerializeFMUstate)
+        assert not (offered.providesDirectionalDerivative or offered.maxOutputDerivativeOrder)
         assert host.description.coSimulation.needsExecutionTool
         given = {v.name: float(v.start) for v in host.description.modelVariables if v.start is not None}
         assert host.get(*given) == list(given.values())

@@ -125,7 +125,7 @@ def test_the_table_is_read_whole() -> None:
     rows = table()
     for kind, found in (
         ("PARAMETER", rows.parameters), ("INPUT", rows.inputs), ("OUTPUT", rows.outputs), ("SOLVER", rows.solver),
-        ("STATICS", rows.statics),
+        ("STATICS", rows.statics), ("WHOLE", rows.whole),
     ):  # fmt: skip
         assert len(found) == sum(line.startswith(f"{kind}(") for line in text.splitlines())
         assert [row.slot for row in found.values()] == list(range(len(found)))

@@ -41,6 +41,10 @@ def exercise(path: Path) -> None:
             c.kernel.advance(0.1, {})
     x = np.concatenate([np.linspace(-2e6, 2e6, 100_001), [1e300, np.inf, np.nan]])
     library.sincos_array_portable(len(x), x, np.empty_like(x), np.empty_like(x))
+    wild_numbers = np.array([0.0, 5e-324, 1e-300, 1.0, 1e300, np.inf, np.nan])
+    for length, weight, place in np.stack(np.meshgrid(*[wild_numbers] * 3), axis=-1).reshape(-1, 3):
+        end = np.array([place, 0.5 * place])
+        library.catenary(3, np.full(3, length), np.full(3, weight), end, np.empty(3), np.empty(2))
     for value in (5e-324, 1e-300, 1.0, 1e300, np.inf, np.nan):
         library.fifth_root(value)
 

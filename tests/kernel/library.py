@@ -1,7 +1,8 @@
 """The C kernel as a shared library of its own, and the one table that binds it.
 
-It is compiled from the same sources by the same recipe as the FMU's binary, with its names visible and with
-`probe.c` in front: flat functions, so that no layout of a C structure is repeated here.
+It is compiled from the same sources by the same recipe as the FMU's binary, with its names visible, with the API for
+Python (`fmu_src/kernel_api`) and with `probe.c` on top of that: flat functions, so that no layout of a C structure is
+repeated here.
 """
 
 from __future__ import annotations
@@ -34,12 +35,14 @@ __all__ = [
     "compile_kernel",
     "inputs_of",
     "load",
+    "probe_sources",
     "toolchain",
 ]
 
 ROOT = Path(os.environ.get("CABLEFMU_SOURCES", Path(__file__).parents[2]))
 """Above fmu_src; the tests of the tests point it at a copy with a planted defect [tests/mutations]."""
 PROBE = ROOT / "tests" / "kernel" / "probe.c"
+TABLES = ROOT / "tests" / "kernel" / "other_rosenbrock_tables.c"
 
 _POINTER, _INT, _DOUBLE, _SIZE = ctypes.c_void_p, ctypes.c_int, ctypes.c_double, ctypes.c_size_t
 _ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
@@ -58,7 +61,8 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_adjoint": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_linear": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_repeat_linear": (None, _POINTER, _INT, _ARRAY, _ARRAY, _ARRAY, _INT),
-    "probe_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
+    "probe_kernel": (_POINTER, _POINTER),
+    "kernel_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "probe_restart": (None, _POINTER, _DOUBLE, _INT),
     "probe_forget": (None, _POINTER),
     "probe_energy": (None, _POINTER, _ARRAY),
@@ -73,6 +77,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_sincos_worst": (_DOUBLE, _INT, _DOUBLE, ctypes.c_uint64),
     "probe_use_avx2": (_INT, _POINTER, _INT),
     "fifth_root": (_DOUBLE, _DOUBLE),
+    "catenary": (_INT, _INT, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
 }
 """Function -> (type of the result, types of the arguments)."""
 
@@ -93,6 +98,12 @@ def toolchain(root: Path = ROOT) -> ModuleType:
     return module
 
 
+def probe_sources() -> list[Path]:
+    """What the library is compiled from."""
+    recipe = toolchain()
+    return [*recipe.kernel_sources(), *recipe.kernel_api_sources(), PROBE, TABLES]
+
+
 def compile_kernel(folder: Path, *, flags: list[str] | None = None, extra: list[Path] | None = None) -> Path:
     """Compile kernel and probe into `folder`.
 
@@ -109,7 +120,7 @@ def compile_kernel(folder: Path, *, flags: list[str] | None = None, extra: list[
     chosen = [flag for flag in recipe.RELEASE if flag != "-fvisibility=hidden"] if flags is None else flags
     target, _ = recipe.TARGETS.get(f"{platform.machine()}-{sys.platform}", (None, None))
     path = folder / "kernel.so"
-    recipe.compile_library(path, [*recipe.kernel_sources(), PROBE, *(extra or [])], chosen, target=target)
+    recipe.compile_library(path, [*probe_sources(), *(extra or [])], chosen, target=target)
     return path
 
 
@@ -241,9 +252,10 @@ class Kernel:
 
     def equilibrium(self, q: Floats, inputs: Mapping[str, float]) -> tuple[int, Floats, float, int]:
         """Status, q of the equilibrium near `q`, residual acceleration and iterations of the search."""
-        x, figure = np.concatenate([q, np.zeros_like(q)]), np.zeros(2)
-        status = self._library.probe_equilibrium(self._handle, inputs_of(inputs), x, figure)
-        return status, x[: len(q)], figure[0], int(figure[1])
+        found, figure = q.copy(), np.zeros(2)
+        kernel = self._library.probe_kernel(self._handle)
+        status = self._library.kernel_equilibrium(kernel, inputs_of(inputs), found, figure)
+        return status, found, figure[0], int(figure[1])
 
     def constants(self) -> Floats:
         """A copy of the model's parameters and derived arrays."""

@@ -9,21 +9,29 @@
 #include "../../fmu_src/kernel/adjoint.h"
 #include "../../fmu_src/kernel/directional.h"
 #include "../../fmu_src/kernel/dormand_prince.h"
-#include "../../fmu_src/kernel/dynamics.h"
 #include "../../fmu_src/kernel/method.h"
 #include "../../fmu_src/kernel/processor.h"
 #include "../../fmu_src/kernel/rosenbrock.h"
 #include "../../fmu_src/kernel/sincos.h"
 #include "../../fmu_src/kernel/solver.h"
-#include "../../fmu_src/kernel/statics.h"
+#include "../../fmu_src/kernel_api/api.h"
 
+/* A kernel as Python has it, and what the solver needs besides. */
 typedef struct {
-    Model model;
-    Work work;
+    Kernel *kernel;
+    Model *model;
+    Work *work;
+    Linear *linear;
     SolverMemory memory;
-    Linear linear;
-    double *derived, *scratch, *stages, *factors;
+    double *stages;
 } Probe;
+
+void probe_free(Probe *probe)
+{
+    if (probe->kernel) kernel_free(probe->kernel);
+    free(probe->stages);
+    free(probe);
+}
 
 /* The link arrays stay the caller's: link[LINK_COLUMNS][n], to be kept as long as the probe. */
 Probe *probe_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
@@ -31,42 +39,31 @@ Probe *probe_new(int n, int terminal, int drag, uint64_t present, const double *
 {
     Probe *probe = calloc(1, sizeof *probe);
     if (!probe) return NULL;
-    probe->derived = calloc(model_doubles(n) + work_doubles(n) + solver_doubles(n) + linear_doubles(n), sizeof(double));
-    if (!probe->derived) {
-        free(probe);
+    probe->kernel = kernel_new(n, terminal, drag, present, parameter, rest, link);
+    probe->stages = calloc(solver_doubles(n), sizeof(double));
+    if (!probe->kernel || !probe->stages) {
+        probe_free(probe);
         return NULL;
     }
-    probe->scratch = probe->derived + model_doubles(n);
-    probe->stages = probe->scratch + work_doubles(n);
-    probe->factors = probe->stages + solver_doubles(n);
-    linear_layout(&probe->linear, n, probe->factors);
-    Model *model = &probe->model;
-    model->n = n;
-    model->terminal = (Terminal)terminal;
-    model->drag = (Drag)drag;
-    model->present = present;
-    memcpy(model->parameter, parameter, sizeof model->parameter);
-    memcpy(model->rest, rest, sizeof model->rest);
-    for (size_t column = 0; column < LINK_COLUMNS; column++) model->link[column] = link + column * (size_t)n;
-    model_layout(model, probe->derived);
-    work_layout(&probe->work, n, probe->scratch);
-    model_prepare(model);
+    probe->model = &probe->kernel->model;
+    probe->work = &probe->kernel->work;
+    probe->linear = &probe->kernel->linear;
     return probe;
 }
 
-void probe_free(Probe *probe)
+/* For the functions of the API itself. */
+Kernel *probe_kernel(Probe *probe)
 {
-    free(probe->derived);
-    free(probe);
+    return probe->kernel;
 }
 
 /* Everything in the model that an evaluation must leave alone: parameters, then the derived arrays. */
 size_t probe_constants(const Probe *probe, double *copy)
 {
-    const size_t arrays = model_doubles(probe->model.n);
+    const size_t arrays = model_doubles(probe->model->n);
     if (copy) {
-        memcpy(copy, probe->model.parameter, sizeof probe->model.parameter);
-        memcpy(copy + PARAMETER_COUNT, probe->derived, arrays * sizeof *copy);
+        memcpy(copy, probe->model->parameter, sizeof probe->model->parameter);
+        memcpy(copy + PARAMETER_COUNT, probe->kernel->block, arrays * sizeof *copy);
     }
     return PARAMETER_COUNT + arrays;
 }
@@ -74,21 +71,24 @@ size_t probe_constants(const Probe *probe, double *copy)
 /* Scratch full of not-a-numbers: whoever reads it before writing shows. */
 void probe_spoil_scratch(Probe *probe)
 {
-    for (size_t k = 0; k < work_doubles(probe->model.n); k++) probe->scratch[k] = NAN;
-    Work *work = &probe->work;
+    double *scratch = probe->kernel->block + model_doubles(probe->model->n);
+    for (size_t k = 0; k < work_doubles(probe->model->n); k++) scratch[k] = NAN;
+    Work *work = probe->work;
     double *const strip[] = {work->nn,     work->en,   work->ee,   work->unit, work->det,      work->bias_x,
                              work->bias_y, work->k_ee, work->k_en, work->k_nn, work->per_pivot};
     for (size_t k = 0; k < sizeof strip / sizeof *strip; k++)
         for (int i = 0; i < STRIP_ROOM; i++) strip[k][i] = NAN;
     for (int k = 0; k < 2; k++)
-        probe->work.end_force[k] = probe->work.end_position[k] = probe->work.end_velocity[k] = NAN;
+        probe->work->end_force[k] = probe->work->end_position[k] = probe->work->end_velocity[k] = NAN;
 }
 
 /* The same of the solver's vectors and the factors, before a start. */
 void probe_spoil_solver(Probe *probe)
 {
-    for (size_t k = 0; k < solver_doubles(probe->model.n); k++) probe->stages[k] = NAN;
-    for (size_t k = 0; k < linear_doubles(probe->model.n); k++) probe->factors[k] = NAN;
+    const int n = probe->model->n;
+    double *factors = probe->kernel->block + model_doubles(n) + work_doubles(n);
+    for (size_t k = 0; k < solver_doubles(n); k++) probe->stages[k] = NAN;
+    for (size_t k = 0; k < linear_doubles(n); k++) factors[k] = NAN;
 }
 
 /* Like sincos_array_portable(); 0 and nothing done where the processor has no AVX2. */
@@ -141,20 +141,20 @@ double probe_sincos_worst(int blocks, double reach, uint64_t seed)
 /* Choose the compiled variant; whether the wide one is in use afterwards. */
 int probe_use_avx2(Probe *probe, int wanted)
 {
-    probe->model.variant = wanted && processor_has_avx2() ? &AVX2 : &PORTABLE;
-    return probe->model.variant == &AVX2;
+    probe->model->variant = wanted && processor_has_avx2() ? &AVX2 : &PORTABLE;
+    return probe->model->variant == &AVX2;
 }
 
 void probe_derivatives(Probe *probe, const double *x, const double *u, double *derivative)
 {
-    cable_derivatives(&probe->model, x, u, &probe->work, derivative);
+    cable_derivatives(probe->model, x, u, probe->work, derivative);
 }
 
 /* Many evaluations, each at a point that depends on the one before, for whoever holds the clock. */
 void probe_repeat(Probe *probe, double *x, const double *u, double *derivative, int times)
 {
     for (int k = 0; k < times; k++) {
-        cable_derivatives(&probe->model, x, u, &probe->work, derivative);
+        cable_derivatives(probe->model, x, u, probe->work, derivative);
         x[1] += 1e-12 * derivative[1];
     }
 }
@@ -162,8 +162,8 @@ void probe_repeat(Probe *probe, double *x, const double *u, double *derivative, 
 /* The same for sine, cosine and elimination alone, after probe_repeat(): what no arrangement of the rest can undercut. */
 void probe_repeat_core(Probe *probe, double *x, const double *u, double *derivative, int times)
 {
-    Model *model = &probe->model;
-    Work *work = &probe->work;
+    Model *model = probe->model;
+    Work *work = probe->work;
     double *acceleration = derivative + model->n + 1;
     for (int k = 0; k < times; k++) {
 #if defined(__x86_64__)
@@ -183,16 +183,16 @@ void probe_repeat_core(Probe *probe, double *x, const double *u, double *derivat
 /* With derivative == NULL the outputs that need no derivatives; else after probe_derivatives() of the same x. */
 void probe_outputs(Probe *probe, const double *x, const double *derivative, double *output)
 {
-    cable_outputs(&probe->model, x, derivative, &probe->work, output, derivative != NULL);
+    cable_outputs(probe->model, x, derivative, probe->work, output, derivative != NULL);
 }
 
 /* Directional derivatives of right-hand side and outputs at (x, u); 0 where there are none. */
 int probe_directional(Probe *probe, const double *x, const double *u, const double *dx, const double *du,
                       double *derivative, double *d_derivative, double *d_output)
 {
-    cable_derivatives(&probe->model, x, u, &probe->work, derivative);
-    if (!directional_point(&probe->model, x, &probe->work, derivative, &probe->linear)) return 0;
-    directional_derivatives(&probe->model, x, &probe->linear, dx, du, d_derivative, d_output);
+    cable_derivatives(probe->model, x, u, probe->work, derivative);
+    if (!directional_point(probe->model, x, probe->work, derivative, probe->linear)) return 0;
+    directional_derivatives(probe->model, x, probe->linear, dx, du, d_derivative, d_output);
     return 1;
 }
 
@@ -200,9 +200,9 @@ int probe_directional(Probe *probe, const double *x, const double *u, const doub
 int probe_adjoint(Probe *probe, const double *x, const double *u, const double *seed_derivative,
                   const double *seed_output, double *derivative, double *to_state, double *to_input)
 {
-    cable_derivatives(&probe->model, x, u, &probe->work, derivative);
-    if (!directional_point(&probe->model, x, &probe->work, derivative, &probe->linear)) return 0;
-    adjoint_derivatives(&probe->model, x, &probe->linear, seed_derivative, seed_output, to_state, to_input);
+    cable_derivatives(probe->model, x, u, probe->work, derivative);
+    if (!directional_point(probe->model, x, probe->work, derivative, probe->linear)) return 0;
+    adjoint_derivatives(probe->model, x, probe->linear, seed_derivative, seed_output, to_state, to_input);
     return 1;
 }
 
@@ -212,19 +212,19 @@ int probe_adjoint(Probe *probe, const double *x, const double *u, const double *
 int probe_linear(Probe *probe, const double *x, const double *u, const double *weights, const double *force,
                  double *end, double *change, double *back, double *through)
 {
-    const int half = probe->model.n + 1;
+    const int half = probe->model->n + 1;
     double *derivative = probe->stages, *dq = derivative + 2 * half, *dv = dq + half, *da = dv + half;
-    Linear *linear = &probe->linear;
-    cable_derivatives(&probe->model, x, u, &probe->work, derivative);
-    linear_point(&probe->model, x, &probe->work, derivative, linear);
-    const int negative = linear_factor(&probe->model, (Weights){weights[0], weights[1], weights[2]}, linear);
+    Linear *linear = probe->linear;
+    cable_derivatives(probe->model, x, u, probe->work, derivative);
+    linear_point(probe->model, x, probe->work, derivative, linear);
+    const int negative = linear_factor(probe->model, (Weights){weights[0], weights[1], weights[2]}, linear);
     if (negative < 0) return negative;
-    linear_solve(&probe->model, linear, force, end, change);
+    linear_solve(probe->model, linear, force, end, change);
     for (int k = 0; k < 2; k++) through[k] = linear->is_held ? linear->through[k] : 0.0;
     for (int k = 0; k < half; k++) {
         dq[k] = weights[0] * change[k], dv[k] = weights[1] * change[k], da[k] = weights[2] * change[k];
     }
-    linear_apply(&probe->model, linear, dq, dv, da, back, end);
+    linear_apply(probe->model, linear, dq, dv, da, back, end);
     return negative;
 }
 
@@ -233,21 +233,11 @@ void probe_repeat_linear(Probe *probe, int what, const double *weights, double *
 {
     double end[2] = {0.0, 0.0};
     for (int k = 0; k < times; k++) {
-        if (what == 1) linear_factor(&probe->model, (Weights){weights[0], weights[1], weights[2]}, &probe->linear);
-        if (what == 2) linear_solve(&probe->model, &probe->linear, force, end, change);
-        if (what == 3) linear_apply(&probe->model, &probe->linear, force, force, force, change, end);
+        if (what == 1) linear_factor(probe->model, (Weights){weights[0], weights[1], weights[2]}, probe->linear);
+        if (what == 2) linear_solve(probe->model, probe->linear, force, end, change);
+        if (what == 3) linear_apply(probe->model, probe->linear, force, force, force, change, end);
         force[0] += 1e-12 * change[0];
     }
-}
-
-/* From x to an equilibrium; figure[STATICS_COUNT]. */
-int probe_equilibrium(Probe *probe, const double *u, double *x, double *figure)
-{
-    double *block = malloc(statics_doubles(probe->model.n) * sizeof *block);
-    if (!block) return -1;
-    const StaticsStatus status = statics_solve(&probe->model, u, &probe->work, &probe->linear, block, x, figure);
-    free(block);
-    return (int)status;
 }
 
 /* u_k(t) = constant_k + amplitude_k sin(pulsation_k t); pulsation in rad/s. From still_from to still_to they do not change. */
@@ -296,9 +286,9 @@ double probe_implicit_steps(Probe *probe, double t, double h, int steps, int sti
                             const double *waves, double *between)
 {
     Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
-    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, false, NULL};
+    const System system = {probe->model, probe->work, probe->linear, waves_at, &source, false, NULL};
     SolverMemory *memory = &probe->memory;
-    const size_t count = 2u * ((size_t)probe->model.n + 1u);
+    const size_t count = 2u * ((size_t)probe->model->n + 1u);
     double *next = probe->stages, error = NAN;
     Vectors vectors;
     double **const all[] = {&vectors.slope, &vectors.trial,   &vectors.right_side, &vectors.force,
@@ -311,8 +301,8 @@ double probe_implicit_steps(Probe *probe, double t, double h, int steps, int sti
         const double from = t + k * h, to = t + (k + 1) * h;
         source.still_from = from, source.still_to = still ? from + h / 256.0 : from;
         waves_at(&source, from, memory->slope_u);
-        cable_derivatives(&probe->model, x, memory->slope_u, &probe->work, vectors.slope);
-        linear_point(&probe->model, x, &probe->work, vectors.slope, &probe->linear);
+        cable_derivatives(probe->model, x, memory->slope_u, probe->work, vectors.slope);
+        linear_point(probe->model, x, probe->work, vectors.slope, probe->linear);
         if (!implicit_attempt(&system, memory, &vectors, from, to, x, &error)) return NAN;
         if (k == steps - 1) {
             dense_remember(&system, memory, &vectors, from, to, x);
@@ -329,10 +319,10 @@ int probe_advance(Probe *probe, double *t, double t_end, double *x, const double
     Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
     bool rest = true;
     for (int k = 0; k < INPUT_COUNT; k++) rest &= waves[INPUT_COUNT + k] == 0.0;
-    const System system = {&probe->model, &probe->work, &probe->linear, waves_at, &source, rest, NULL};
+    const System system = {probe->model, probe->work, probe->linear, waves_at, &source, rest, NULL};
     const SolverStatus status = solver_advance(&system, &probe->memory, probe->stages, t, t_end, x);
     double output[OUTPUT_COUNT];
-    cable_outputs(&probe->model, x, NULL, &probe->work, output, false);
+    cable_outputs(probe->model, x, NULL, probe->work, output, false);
     probe->memory.counter[SOLVER_energy_residual] = solver_energy_residual(&probe->memory, output[Y_energy]);
     memcpy(counter, probe->memory.counter, sizeof probe->memory.counter);
     return (int)status;
@@ -351,6 +341,9 @@ int probe_tableau(double *a, double *b, double *b_embedded, double *c)
     }
     return table->stages;
 }
+
+/* [other_rosenbrock_tables.c] */
+extern const RosenbrockTable RODAS4, RODAS4P2;
 
 static const RosenbrockTable *const ROSENBROCK[] = {&RODAS4, &RODAS4P2, &RODAS5P};
 

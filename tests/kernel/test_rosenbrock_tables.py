@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from importlib.resources import files
 from math import prod
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 from cablefmu.cable import Floats
-from tests.kernel.rosenbrock import DENSE_ORDER, ROUNDING, Method
+from tests.kernel.rosenbrock import DENSE_ORDER, NAMES, ROUNDING, Method
 from tests.kernel.trees import IndexOneTree, Tree, density, index_one_density, index_one_trees, trees
 
 INSIDE = (0.1, 0.5, 0.9)
@@ -154,3 +155,8 @@ def test_a_slip_in_any_coefficient_would_show(method: Method) -> None:
     seen = {where: float(abs(conditions(wrong)).max()) for where, wrong in with_one_slip(method, 1e-8)}
     assert len(seen) == 1 + method.stages * (method.stages - 1) + (4 + len(method.dense)) * method.stages
     assert [where for where, size in seen.items() if size < 10 * ROUNDING] == []
+
+
+def test_an_fmu_holds_the_method_in_use_and_no_other() -> None:
+    content = (files("cablefmu") / "binaries" / "x86_64-linux" / "cable.so").read_bytes()
+    assert [name for name in NAMES if name.encode() + b"\0" in content] == ["Rodas5P"]

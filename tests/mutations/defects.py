@@ -18,6 +18,8 @@ class Defect:
     changes: tuple[Change, ...]
     caught_by: tuple[str, ...]
     """Guards that fail, every one of them; others may fail as well."""
+    stress: str = ""
+    """A case of `cablefmu stress` that fails within seconds; for one defect of each kind."""
 
 
 GUARDS = {
@@ -43,12 +45,14 @@ DEFECTS = {
         "the water pushes a link the way it goes",
         (Change("water.c", "const double drag = -factor[i]", "const double drag = factor[i]"),),
         ("accelerations", "energy and power", "linear solution"),
+        "links-1",
     ),
     "dropped Coriolis term": Defect(
         "links turn without the centripetal acceleration of the nodes above, all that Coriolis' terms are in these "
         "coordinates",
         (Change("motion.c", "inward = swing * rate[i];", "inward = 0.0 * swing;"),),
         ("accelerations", "energy and power", "undamped energy", "explicit motion", "implicit motion"),
+        "shipped-free-12-air",
     ),
     "dropped Coriolis term of one link": Defect(
         "the centre of a link is without its own",
@@ -59,6 +63,7 @@ DEFECTS = {
         "a hundred times the tolerance is accepted",
         (Change("explicit.c", "/ tolerance;", "/ (100.0 * tolerance);"),),
         ("undamped energy", "explicit motion", "explicit tolerance"),
+        "load-1e-6",
     ),
     "loosened error norm, implicit": Defect(
         "a hundred times the tolerance is accepted",
@@ -79,6 +84,7 @@ DEFECTS = {
             ),
         ),
         ("implicit order", "implicit tolerance"),
+        "mooring-k-1e10",
     ),
     "damping missing in the Jacobian": Defect(
         "implicit steps know nothing of the joints' dampers",
@@ -89,6 +95,7 @@ DEFECTS = {
         "joints with springs and dampers go without the dampers, but for the first",
         (Change("joints.c", f"{_PUSH} + damping[i] * (rate[i] - rate[i - 1]);", f"{_PUSH};"),),
         ("accelerations", "energy and power", "explicit motion", "implicit motion"),
+        "shipped-free-12-air",
     ),
     "damping of the floater missing": Defect(
         "floater 1 heaves undamped",

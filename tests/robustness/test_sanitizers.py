@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import cablefmu
-from tests.kernel.library import PROBE, toolchain
+from tests.kernel.library import probe_sources, toolchain
 from tests.robustness.building import GCC, compile_with_gcc, copy_of_sources, run
 
 pytestmark = pytest.mark.system
@@ -138,7 +138,7 @@ def compile_sanitized(output: Path, sources: list[Path], *flags: str) -> Path:
 
 def test_the_kernels_paces(tmp_path: Path, under_sanitizers: Callable[..., subprocess.CompletedProcess[str]]) -> None:
     """Random cables of every kind through every function, as where the kernel is alone."""
-    library = compile_sanitized(tmp_path / "kernel.so", [*toolchain().kernel_sources(), PROBE])
+    library = compile_sanitized(tmp_path / "kernel.so", probe_sources())
     result = under_sanitizers("-m", "tests.kernel.exercise", str(library))
     assert (result.returncode, result.stdout) == (0, "done\n"), result.stderr
 

@@ -59,6 +59,37 @@ void must_be_refused(Visit *visit, int status, const char *call)
     if (status != 3) give_up("not refused", call);
 }
 
+/* Serialized, deserialized into another handle, and put back from there. */
+static void go_back(const States *states, Visit *visit)
+{
+    uint8_t bytes[MOST_IMAGE];
+    size_t size;
+    void *other = NULL, *c = visit->component;
+    must_be_ok(visit, states->size(c, visit->state, &size), "the size of a state");
+    if (size > sizeof bytes) give_up("too large an image", "of a small scene");
+    must_be_ok(visit, states->write(c, visit->state, bytes, size), "serializing a state");
+    must_be_ok(visit, states->read(c, bytes, size, &other), "deserializing a state");
+    must_be_ok(visit, states->set(c, other), "setting a state");
+    must_be_ok(visit, states->drop(c, &other), "freeing a state");
+    if (other) give_up("not NULL", "a state that was freed");
+}
+
+void detour(const Api *api, Visit *visit, int k)
+{
+    const unsigned asked = visit->asked;
+    const Account before = visit->account;
+    must_be_ok(visit, api->states->get(visit->component, &visit->state), "getting a state");
+    visit->account = before, visit->account.out = NULL;
+    api->step(visit, k);
+    const uint64_t first = visit->account.hash;
+    go_back(api->states, visit);
+    visit->asked = asked, visit->account = before, visit->account.out = NULL;
+    api->step(visit, k);
+    if (visit->account.hash != first) give_up("not the bits of before", api->name);
+    must_be_ok(visit, api->states->set(visit->component, visit->state), "setting a state");
+    visit->asked = asked, visit->account = before;
+}
+
 size_t real_variables(const Scene *scene, uint32_t *reference)
 {
     size_t count = 0;

@@ -11,7 +11,9 @@
 #include <stdint.h>
 #include <stdio.h>
 
-enum { STEPS = 50, MOST_VARIABLES = 256, MOST_STATES = 64, MESSAGE_BYTES = 1100 };
+#include "states.h"
+
+enum { STEPS = 50, MOST_VARIABLES = 256, MOST_STATES = 64, MESSAGE_BYTES = 1100, MOST_IMAGE = 16384 };
 static const double STEP = 0.0625; /* [s], exact in binary */
 
 typedef struct {
@@ -32,6 +34,7 @@ typedef struct {
     Account account;
     void *component;
     unsigned asked; /* intermediate updates so far */
+    void *state;    /* that was taken last, or NULL */
 } Visit;
 
 typedef struct {
@@ -42,6 +45,7 @@ typedef struct {
     void (*step)(Visit *visit, int k);
     void (*reset)(Visit *visit);
     void (*close)(Visit *visit);
+    const States *states;
 } Api;
 
 extern const Api FMI2_CS, FMI2_ME, FMI3_CS, FMI3_CS_ASKED, FMI3_ME;
@@ -64,6 +68,10 @@ _Noreturn void give_up(const char *what, const char *detail);
 /* Statuses 0 = OK and 3 = Error are the same in both versions of FMI. */
 void must_be_ok(Visit *visit, int status, const char *call);
 void must_be_refused(Visit *visit, int status, const char *call);
+
+/* Takes the state, makes step k, goes back through bytes, and makes it again: the account must be the same. Nothing of it
+ * stays but the visit's state. */
+void detour(const Api *api, Visit *visit, int k);
 
 /* References of all real variables, reference[MOST_VARIABLES]; how many. */
 size_t real_variables(const Scene *scene, uint32_t *reference);

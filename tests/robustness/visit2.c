@@ -127,5 +127,5 @@ static void close(Visit *visit)
     fmi2FreeInstance(visit->component);
 }
 
-const Api FMI2_CS = {"FMI 2 Co-Simulation", open_cs, mistakes, start_cs, step_cs, reset, close};
-const Api FMI2_ME = {"FMI 2 Model Exchange", open_me, mistakes, start_me, step_me, reset, close};
+const Api FMI2_CS = {"FMI 2 Co-Simulation", open_cs, mistakes, start_cs, step_cs, reset, close, &FMI2_STATES};
+const Api FMI2_ME = {"FMI 2 Model Exchange", open_me, mistakes, start_me, step_me, reset, close, &FMI2_STATES};

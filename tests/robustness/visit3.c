@@ -26,6 +26,7 @@ static void ask(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boole
     double value;
     must_be_refused(visit, (int)fmi3GetFloat64(visit->component, &reference, 1, &value, 1), "reading inside a step");
     must_be_refused(visit, (int)fmi3Reset(visit->component), "fmi3Reset inside a step");
+    must_be_refused(visit, (int)fmi3GetFMUState(visit->component, &visit->state), "a state inside a step");
     must_be_refused(visit, (int)fmi3Terminate(visit->component), "fmi3Terminate inside a step");
     must_be_refused(visit, (int)fmi3DoStep(visit->component, time, STEP, true, NULL, NULL, NULL, NULL),
                     "a step inside a step");
@@ -150,7 +151,13 @@ static void close(Visit *visit)
     fmi3FreeInstance(visit->component);
 }
 
-const Api FMI3_CS = {"FMI 3 Co-Simulation", open_cs, mistakes, start_cs, step_cs, reset, close};
-const Api FMI3_CS_ASKED = {
-    "FMI 3 Co-Simulation with intermediate update", open_asked, mistakes, start_cs, step_cs, reset, close};
-const Api FMI3_ME = {"FMI 3 Model Exchange", open_me, mistakes, start_me, step_me, reset, close};
+const Api FMI3_CS = {"FMI 3 Co-Simulation", open_cs, mistakes, start_cs, step_cs, reset, close, &FMI3_STATES};
+const Api FMI3_CS_ASKED = {"FMI 3 Co-Simulation with intermediate update",
+                           open_asked,
+                           mistakes,
+                           start_cs,
+                           step_cs,
+                           reset,
+                           close,
+                           &FMI3_STATES};
+const Api FMI3_ME = {"FMI 3 Model Exchange", open_me, mistakes, start_me, step_me, reset, close, &FMI3_STATES};

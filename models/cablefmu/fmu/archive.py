@@ -5,21 +5,23 @@ from __future__ import annotations
 import zipfile
 import zlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 
 from fmpy import read_model_description
 from fmpy.model_description import ModelDescription
 
+from ..cable import Whole
 from ..errors import FmuError, OptionError, SceneError
 from ..files import replacing
 from ..scene import Scene, load_scene
+from ..whole import whole_of
 from .description import Experiment, describe, model_identifier
 from .documentation import DOCUMENTATION, documentation
 from .resource import RESOURCE_NAME, resource_bytes, token_of
 from .terminals import icon_png, terminals_and_icons
-from .variables import variables_of
+from .variables import Variable, variables_of
 
 __all__ = ["Archive", "build_fmu", "default_path", "open_fmu", "write_zip"]
 
@@ -32,12 +34,14 @@ BINARIES = {
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip can say: two builds are the same to the byte
 
 
-def default_path(scene: Scene, fmi: int) -> Path:
-    """Where `build` puts a scene's FMU unless it is told: ./build/NAME.fmu or NAME-fmi3.fmu."""
-    return Path("build") / (f"{scene.name}.fmu" if fmi == 2 else f"{scene.name}-fmi{fmi}.fmu")
+def default_path(scene: Scene, fmi: int, *, arrays: bool = False) -> Path:
+    """Where `build` puts a scene's FMU unless it is told: ./build/NAME.fmu, NAME-fmi3.fmu or NAME-fmi3-arrays.fmu."""
+    return Path("build") / f"{scene.name}{'' if fmi == 2 else f'-fmi{fmi}'}{'-arrays' if arrays else ''}.fmu"
 
 
-def build_fmu(scene: Scene | str | Path, output: str | Path | None = None, *, fmi: int = 2) -> Path:
+def build_fmu(
+    scene: Scene | str | Path, output: str | Path | None = None, *, fmi: int | None = None, arrays: bool = False
+) -> Path:
     """Build a scene's FMU: Model Exchange and Co-Simulation in one archive.
 
     Parameters
@@ -45,9 +49,11 @@ def build_fmu(scene: Scene | str | Path, output: str | Path | None = None, *, fm
     scene
         A scene, the name of one that ships, or the path of a TOML file.
     output
-        File to write; by default ./build/NAME.fmu (NAME-fmi3.fmu). An existing file is replaced.
+        File to write; by default ./build/NAME.fmu (NAME-fmi3.fmu, NAME-fmi3-arrays.fmu). An existing file is replaced.
     fmi
-        Version of FMI, 2 or 3.
+        Version of FMI, 2 (default) or 3.
+    arrays
+        Link angles and rates as arrays, and the number of links as a structural parameter n: FMI 3 alone has these.
 
     Returns
     -------
@@ -57,24 +63,27 @@ def build_fmu(scene: Scene | str | Path, output: str | Path | None = None, *, fm
     Raises
     ------
     SceneError
-        If the scene is not in order.
+        If the scene is not in order, or with arrays: does not say how its cable is divided into any number of links.
     OptionError
-        If `fmi` is neither 2 nor 3, or the file cannot be written.
+        If `fmi` is neither 2 nor 3, or 2 with arrays, or the file cannot be written.
     """
+    fmi = fmi if fmi is not None else 3 if arrays else 2
     if fmi not in BINARIES:
         raise OptionError(f"fmi = {fmi!r}: 2 or 3 is expected")
+    if arrays and fmi == 2:
+        raise OptionError("fmi = 2: FMI 2 has no arrays; version 3 is expected")
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
-    path = Path(output) if output is not None else default_path(scene, fmi)
-    members = _members(scene, fmi)
+    path = Path(output) if output is not None else default_path(scene, fmi, arrays=arrays)
+    members = _members(scene, fmi, whole_of(scene) if arrays else None)
     with replacing(path) as temporary:
         write_zip(temporary, members)
     return path
 
 
-def _members(scene: Scene, fmi: int) -> dict[str, bytes]:
-    variables = variables_of(scene.cable, scene.dropped_outputs)
-    resource = resource_bytes(scene.cable, variables)
+def _members(scene: Scene, fmi: int, whole: Whole | None) -> dict[str, bytes]:
+    variables = variables_of(scene.cable, scene.dropped_outputs, whole)
+    resource = resource_bytes(scene.cable, variables, whole)
     experiment = Experiment(scene.stop_time, scene.step, scene.tolerance)
     package = files("cablefmu") / "binaries"
     members = {
@@ -84,7 +93,10 @@ def _members(scene: Scene, fmi: int) -> dict[str, bytes]:
         ),
         f"resources/{RESOURCE_NAME}": resource,
         f"resources/{scene.name}.toml": scene.text.encode(),
-        DOCUMENTATION: documentation(scene, variables, fmi=fmi, file=default_path(scene, fmi).name),
+        DOCUMENTATION: documentation(
+            replace(scene, cable=whole.rest_of(scene.cable)) if whole else scene, variables, fmi=fmi,
+            file=default_path(scene, fmi, arrays=whole is not None).name,
+        ),
         "documentation/licenses/license.txt": (package / "LICENSE").read_bytes(),
         **terminals_and_icons(scene.cable, variables),
     }  # fmt: skip
@@ -118,6 +130,16 @@ class Archive:
     scene: Scene
     fmi: int
     description: ModelDescription
+
+    @property
+    def has_arrays(self) -> bool:
+        """Whether the number of links is a parameter."""
+        return any(variable.causality == "structuralParameter" for variable in self.description.modelVariables)
+
+    def variables(self) -> list[Variable]:
+        """What its scene has of variables; those of a twin are fewer."""
+        whole = whole_of(self.scene) if self.has_arrays else None
+        return variables_of(self.scene.cable, self.scene.dropped_outputs, whole)
 
 
 def open_fmu(path: str | Path) -> Archive:

@@ -79,7 +79,7 @@ def _number(value: float) -> str:
 
 def _add_units(root: ET.Element, variables: list[Variable]) -> None:
     definitions = ET.SubElement(root, "UnitDefinitions")
-    for name in sorted({variable.unit for variable in variables if not variable.enumeration}):
+    for name in sorted({variable.unit for variable in variables if variable.unit}):
         unit = UNITS[name]
         element = ET.SubElement(definitions, "Unit", name=name)
         ET.SubElement(element, "BaseUnit", {base: str(power) for base, power in unit.exponents.items()})
@@ -118,6 +118,9 @@ def _value_attributes(variable: Variable) -> dict[str, str]:
     if variable.enumeration:
         assert variable.start is not None  # a parameter has one
         return {"declaredType": variable.enumeration.name, "start": str(int(variable.start))}
+    if variable.kind is Kind.LINKS:
+        given = {"start": variable.start, "min": variable.minimum, "max": variable.maximum}
+        return {key: str(int(value)) for key, value in given.items() if value is not None}
     attributes = {"unit": variable.unit}
     display = next(iter(UNITS[variable.unit].display), None)
     if display:
@@ -171,7 +174,8 @@ def _fmi2(
         "needsExecutionTool": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": "false",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
     ET.SubElement(root, "ModelExchange", {**capabilities, "completedIntegratorStepNotNeeded": "true"})
@@ -233,7 +237,8 @@ def _fmi3(
         "modelIdentifier": identifier,
         "needsExecutionTool": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
-        "canGetAndSetFMUState": "false",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
@@ -258,8 +263,10 @@ def _fmi3(
             attributes["intermediateUpdate"] = "true"
         if variable.derivative_of is not None:
             attributes["derivative"] = str(variable.derivative_of)
-        tag = "Enumeration" if variable.enumeration else "Float64"
-        ET.SubElement(listing, tag, {**attributes, **_value_attributes(variable)})
+        tag = {Kind.SOLVER_CHOICE: "Enumeration", Kind.LINKS: "UInt64"}.get(variable.kind, "Float64")
+        element = ET.SubElement(listing, tag, {**attributes, **_value_attributes(variable)})
+        if variable.dimension is not None:
+            ET.SubElement(element, "Dimension", valueReference=str(variable.dimension))
     _fmi3_structure(root, variables)
     return root
 

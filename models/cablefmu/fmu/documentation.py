@@ -53,7 +53,7 @@ def documentation(scene: Scene, variables: Sequence[Variable], *, fmi: int, file
         "Variables": _variables(variables),
         "Equations": _equations(scene.cable, variables),
         "Solver": [f"<p>{escape(twin)}</p>"] if twin else _solver(scene),
-        "Limits": _limits([*_model_limits(scene.cable), *([] if twin else _solver_limits())]),
+        "Limits": _limits([*_model_limits(scene.cable, variables), *([] if twin else _solver_limits())]),
         "Licence": [
             f'<p>The FMU was made by cablefmu {escape(__version__)}, BSD-3-Clause: <a href="licenses/license.txt">its'
             " licence</a>.</p>"
@@ -254,7 +254,9 @@ _GROUPS = (
     ("Inputs", "input", "The values are those of the scene at its start."),
     ("Outputs", "output", ""),
     (_HEALTH, "output", f"{COSIMULATION_ONLY}."),
+    ("Size", "structuralParameter", "Set in configuration mode, before initialization: arrays have as many elements."),
     ("Parameters", "parameter", "Fixed once initialization has ended; the values are the scene's."),
+    ("Preloads", "calculatedParameter", "Worked out at the start, fixed from then on."),
     ("States and derivatives", "local", _INTEGRATED),
     ("Time", "independent", ""),
 )
@@ -333,7 +335,7 @@ def _limits(limits: Iterable[str]) -> Iterator[str]:
     yield f"<ul>\n{items}\n</ul>"
 
 
-def _model_limits(cable: Cable) -> Iterator[str]:
+def _model_limits(cable: Cable, variables: Sequence[Variable]) -> Iterator[str]:
     yield "Motion is in one vertical plane. Links are rigid: the cable neither stretches nor twists."
     if cable.in_water:
         yield "The water is at rest, and resists motion across the links only. It is not carried along: no added mass."
@@ -346,8 +348,14 @@ def _model_limits(cable: Cable) -> Iterator[str]:
         yield "The springs and dampers of floater 2 are linear, and it does not turn."
     if cable.terminal is Terminal.LOAD and cable.in_water:
         yield "The load is a point, and the water does not resist its motion."
-    yield f"The number of links is fixed: {cable.n} here, 1 to 10,000 in other scenes."
-    yield "`static_load` is worked out when the FMU is built, and does not follow when other parameters change."
+    if any(variable.kind is Kind.LINKS for variable in variables):
+        yield "The number of links `n` is 1 to 10,000, and cannot change during a run; links are all alike."
+    else:
+        yield f"The number of links is fixed: {cable.n} here, 1 to 10,000 in other scenes."
+    if any(variable.kind is Kind.PRELOAD and variable.name == "static_load" for variable in variables):
+        yield "`static_load` is worked out at the start, for the rest shape of the cable as its parameters have it."
+    else:
+        yield "`static_load` is worked out when the FMU is built, and does not follow when other parameters change."
     yield "Inputs, parameters and states that are not finite are refused, and so are masses and densities below zero."
 
 

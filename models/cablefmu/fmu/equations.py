@@ -6,7 +6,7 @@ the kernel solves. Formulas are in the TeX of `mathml`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,7 +41,7 @@ def equations_of(cable: Cable, variables: Sequence[Variable]) -> list[Topic]:
     outputs = {variable.name for variable in variables if variable.causality == "output"}
     topics = [_geometry(), _links(cable)]
     if _has_joints(cable):
-        topics.append(_joints(cable))
+        topics.append(_joints(cable, {variable.name for variable in variables}))
     if cable.drag is not Drag.NONE:
         topics.append(_drag(cable))
     topics += [_floater_1(), _ENDS[cable.terminal](cable)]
@@ -88,11 +88,12 @@ def _links(cable: Cable) -> Topic:
     )
 
 
-def _joints(cable: Cable) -> Topic:
+def _joints(cable: Cable, names: Set[str]) -> Topic:
     terms, same = [], []
     if np.any(cable.links.joint_stiffness):
         terms.append(r"k_i (θ_i - θ_{i-1})")
         same += ["$k_i$ is `k_joint`"] if "k_joint" in cable.parameters else []
+        same += ["$k_i$ is `EI` over $l_i$"] if "EI" in names else []
     if np.any(cable.links.joint_damping):
         terms.append(r"c_i (\dot{θ}_i - \dot{θ}_{i-1})")
         same += ["$c_i$ is `c_joint`"] if "c_joint" in cable.parameters else []

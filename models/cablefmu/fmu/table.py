@@ -13,7 +13,7 @@ from importlib.resources import files
 
 __all__ = ["Row", "Table", "table"]
 
-_LISTS = ("PARAMETER", "INPUT", "OUTPUT", "SOLVER", "STATICS")
+_LISTS = ("PARAMETER", "INPUT", "OUTPUT", "SOLVER", "STATICS", "WHOLE")
 _ROW = re.compile(rf'^({"|".join(_LISTS)})\((\w+), "([^"]*)", (?:([-+\w.]+), )?"([^"]*)"\)$', re.MULTILINE)
 
 
@@ -44,6 +44,8 @@ class Table:
     """Health of the built-in solver, outputs as well: solver.steps, ..."""
     statics: dict[str, Row]
     """Of the equilibrium that a run starts from, outputs as well: statics.residual, ..."""
+    whole: dict[str, Row]
+    """Parameters of the undivided cable, in FMUs whose number of links is a parameter"""
 
 
 @cache
@@ -55,7 +57,7 @@ def table() -> Table:
         rows = lists[kind]
         if kind in ("SOLVER", "STATICS"):
             name = f"{kind.lower()}.{name}"
-        if kind == "PARAMETER":
+        if kind in ("PARAMETER", "WHOLE"):
             rows[name] = Row(name, unit, description, len(rows), least=extra)
         else:
             rows[name] = Row(name, unit, description, len(rows), nominal=float(extra or 1.0))

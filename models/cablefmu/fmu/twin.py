@@ -137,6 +137,14 @@ def _without_traces(module: str) -> Iterator[None]:
         sys.modules.pop(module, None)
 
 
+_NOT_OFFERED = (
+    "canInterpolateInputs",
+    "canGetAndSetFMUstate",
+    "canSerializeFMUstate",
+    "providesDirectionalDerivative",
+)
+
+
 def _description(scene: Scene, token: str) -> bytes:
     """The native FMU's, of Co-Simulation only: pythonfmu's own has no units, no initial unknowns, but a date."""
     experiment = Experiment(scene.stop_time, scene.step, scene.tolerance)
@@ -151,7 +159,8 @@ def _description(scene: Scene, token: str) -> bytes:
     for model_exchange in root.findall("ModelExchange"):
         root.remove(model_exchange)
     for co_simulation in root.findall("CoSimulation"):
-        co_simulation.attrib |= {"needsExecutionTool": "true", "canInterpolateInputs": "false"}
+        co_simulation.attrib |= {"needsExecutionTool": "true", "maxOutputDerivativeOrder": "0"}
+        co_simulation.attrib |= dict.fromkeys(_NOT_OFFERED, "false")
     ET.indent(root, "  ")
     text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"

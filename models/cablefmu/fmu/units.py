@@ -34,6 +34,7 @@ UNITS: dict[str, Unit] = {
     "kg/m3": Unit({"kg": 1, "m": -3}),
     "kg.m2": Unit({"kg": 1, "m": 2}),
     "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e-3}),
+    "N.m2": Unit({"kg": 1, "m": 3, "s": -2}),
     "J": Unit({"kg": 1, "m": 2, "s": -2}, {"kJ": 1e-3}),
     "N/m": Unit({"kg": 1, "s": -2}, {"kN/m": 1e-3}),
     "N.s/m": Unit({"kg": 1, "s": -1}, {"kN.s/m": 1e-3}),

@@ -6,14 +6,15 @@ variable's place in the list is its value reference.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
-from ..cable import Cable, Initial, SolverChoice
+from ..cable import Cable, Initial, SolverChoice, Whole
+from ..scene_schema import MAX_LINKS
 from .table import table
 
-__all__ = ["ENUMERATIONS", "STATE_OUTPUTS", "Enumeration", "Item", "Kind", "Variable", "variables_of"]
+__all__ = ["ENUMERATIONS", "STATE_OUTPUTS", "Enumeration", "Item", "Kind", "Variable", "elements_of", "variables_of"]
 
 STATE_OUTPUTS = ("y_m1", "v_m1")
 """Outputs that are states themselves: floater 1's displacement and velocity."""
@@ -37,6 +38,9 @@ class Kind(IntEnum):
     SOLVER = 6
     SOLVER_CHOICE = 7
     STATICS = 8
+    WHOLE = 9
+    LINKS = 10
+    PRELOAD = 11
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +87,7 @@ class Variable:
     name: str
     kind: Kind
     index: int
-    """Slot in the kernel's list of that kind, or index into the state vector."""
+    """Slot in the kernel's list of that kind, or index into the state vector (with arrays: which of its four parts)."""
     unit: str
     description: str
     causality: str
@@ -92,6 +96,7 @@ class Variable:
     start: float | None = None
     nominal: float | None = None
     minimum: float | None = None
+    maximum: float | None = None
     derivative_of: int | None = None
     """Value reference of the state that this is the time derivative of."""
     depends_on: tuple[int, ...] | None = None
@@ -100,9 +105,11 @@ class Variable:
     """Whether at the start it depends on parameters as well, and so on everything that is known then."""
     enumeration: Enumeration | None = None
     """Its type, where it is no real number; it has no unit then, and `start` is a value of the enumeration."""
+    dimension: int | None = None
+    """Of an array: value reference of its number of elements."""
 
 
-def variables_of(cable: Cable, dropped_outputs: Iterable[str] = ()) -> list[Variable]:
+def variables_of(cable: Cable, dropped_outputs: Iterable[str] = (), whole: Whole | None = None) -> list[Variable]:
     """All variables of the scene's FMU, the value reference being the place in the list.
 
     Parameters
@@ -111,23 +118,46 @@ def variables_of(cable: Cable, dropped_outputs: Iterable[str] = ()) -> list[Vari
         The scene's numbers.
     dropped_outputs
         Names of outputs to leave out. A state that is dropped as an output stays as a local variable.
+    whole
+        The cable before it is divided: links are arrays then, and their number n is a parameter (FMI 3).
 
     Notes
     -----
     Where a run starts from equilibrium, the start values of the states are the guess that the search begins with, and
-    states, derivatives and outputs all depend on every parameter and input at the start.
+    states, derivatives and outputs all depend on every parameter and input at the start. Arrays start from a shape, so
+    they have no start values, and everything depends on that shape.
     """
+    if whole:
+        cable = whole.rest_of(cable)
     dropped = set(dropped_outputs)
     listing = _Listing()
     listing.add("time", Kind.TIME, 0, "s", "Time", causality="independent", variability="continuous")
-    _add_parameters(listing, cable)
+    links = _add_links(listing, cable) if whole else None
+    _add_parameters(listing, cable, whole.parameters if whole else {})
+    _add_preloads(listing, whole.preloads if whole else ())
     _add_solver_choice(listing, cable)
     _add_inputs(listing, cable)
-    states = _add_states(listing, cable, dropped)
-    _add_derivatives(listing, cable, states)
-    _add_outputs(listing, cable, states, dropped)
+    begin = _Start(cable.initial is Initial.EQUILIBRIUM, links)
+    states = _add_states(listing, cable, dropped, begin)
+    _add_derivatives(listing, states, begin)
+    _add_outputs(listing, states, dropped, begin)
     _add_health(listing, cable, dropped)
     return listing.variables
+
+
+@dataclass(frozen=True, slots=True)
+class _Start:
+    """How the states begin."""
+
+    is_sought: bool
+    """An equilibrium is, so the start values are a guess."""
+    links: int | None
+    """Value reference of the number of links, where that is a parameter."""
+
+    @property
+    def on_all(self) -> bool:
+        """Whether the states depend at the start on what else is known then."""
+        return self.is_sought or self.links is not None
 
 
 class _Listing:
@@ -142,13 +172,32 @@ class _Listing:
         return variable
 
 
-def _add_parameters(listing: _Listing, cable: Cable) -> None:
-    for name, row in table().parameters.items():
-        if name in cable.parameters:
-            listing.add(
-                name, Kind.PARAMETER, row.slot, row.unit, row.description, causality="parameter", variability="fixed",
-                initial="exact", start=cable.parameters[name], minimum=None if row.least == "-inf" else 0.0,
-            )  # fmt: skip
+def _add_links(listing: _Listing, cable: Cable) -> int:
+    return listing.add(
+        "n", Kind.LINKS, 0, "", "Number of links that the cable is divided into", causality="structuralParameter",
+        variability="fixed", initial="exact", start=cable.n, minimum=1, maximum=MAX_LINKS,
+    ).reference  # fmt: skip
+
+
+def _add_parameters(listing: _Listing, cable: Cable, whole: Mapping[str, float]) -> None:
+    of_kind = ((Kind.PARAMETER, table().parameters, cable.parameters), (Kind.WHOLE, table().whole, whole))
+    for kind, rows, values in of_kind:
+        for name, row in rows.items():
+            if name in values:
+                listing.add(
+                    name, kind, row.slot, row.unit, row.description, causality="parameter", variability="fixed",
+                    initial="exact", start=values[name], minimum=None if row.least == "-inf" else 0.0,
+                )  # fmt: skip
+
+
+def _add_preloads(listing: _Listing, names: Iterable[str]) -> None:
+    for name in names:
+        row = table().parameters[name]
+        what = row.description.partition("; fixed")[0]
+        listing.add(
+            name, Kind.PRELOAD, row.slot, row.unit, f"{what}; worked out for the rest shape at the start",
+            causality="calculatedParameter", variability="fixed", initial="calculated",
+        )  # fmt: skip
 
 
 def _add_solver_choice(listing: _Listing, cable: Cable) -> None:
@@ -169,33 +218,56 @@ def _add_inputs(listing: _Listing, cable: Cable) -> None:
         )  # fmt: skip
 
 
-def _add_states(listing: _Listing, cable: Cable, dropped: set[str]) -> list[Variable]:
-    """The state vector in order: y_m1, theta[1..n], v_m1, omega[1..n]."""
+def _add_states(listing: _Listing, cable: Cable, dropped: set[str], begin: _Start) -> list[Variable]:
+    """The state vector in order: y_m1, theta[1..n], v_m1, omega[1..n]; or the same in four, two of them arrays."""
     rows = table().outputs
-    described = [("y_m1", rows["y_m1"].unit, f"{rows['y_m1'].description}; {FRAME}")]
-    described += [
-        (f"theta[{i}]", "rad", f"Link {i}: angle from the downward vertical, positive towards +x; {FRAME}")
-        for i in range(1, cable.n + 1)
-    ]
-    described += [("v_m1", rows["v_m1"].unit, f"{rows['v_m1'].description}; {FRAME}")]
-    described += [
-        (f"omega[{i}]", "rad/s", f"Link {i}: angular rate, positive towards +x; {FRAME}") for i in range(1, cable.n + 1)
+    angle, rate = (
+        f"{what}, positive towards +x; {FRAME}" for what in ("angle from the downward vertical", "angular rate")
+    )
+    links = [""] if begin.links is not None else [f"[{i}]" for i in range(1, cable.n + 1)]
+    described = [
+        ("y_m1", rows["y_m1"].unit, f"{rows['y_m1'].description}; {FRAME}"),
+        *((f"theta{i}", "rad", f"{_link_named(i)}: {angle}") for i in links),
+        ("v_m1", rows["v_m1"].unit, f"{rows['v_m1'].description}; {FRAME}"),
+        *((f"omega{i}", "rad/s", f"{_link_named(i)}: {rate}") for i in links),
     ]
     starts = [*cable.position, *cable.velocity]
-    sought = cable.initial is Initial.EQUILIBRIUM
     states = []
     for k, (name, unit, description) in enumerate(described):
         causality = "output" if name in STATE_OUTPUTS and name not in dropped else "local"
+        if begin.links is not None and name not in STATE_OUTPUTS:
+            how: dict[str, object] = {"initial": "calculated", "dimension": begin.links}
+        else:
+            start = starts[k] if begin.links is None else 0.0
+            how = {"initial": "approx" if begin.is_sought else "exact", "start": float(start)}
         states.append(listing.add(
-            name, Kind.STATE, k, unit, description, causality=causality, variability="continuous",
-            initial="approx" if sought else "exact", start=float(starts[k]), nominal=1.0,
-            depends_on=(len(listing.variables),), on_all_at_start=sought,
+            name, Kind.STATE, k, unit, description, causality=causality, variability="continuous", nominal=1.0,
+            depends_on=(len(listing.variables),), on_all_at_start=begin.on_all, **how,
         ))  # fmt: skip
     return states
 
 
-def _add_derivatives(listing: _Listing, cable: Cable, states: list[Variable]) -> None:
-    half = cable.n + 1
+def elements_of(variables: Iterable[Variable], n: int) -> list[Variable]:
+    """The same, with every array's elements in its place: `index` counts them from 0, names are those of scalars."""
+    elements: list[Variable] = []
+    for variable in variables:
+        if variable.dimension is None:
+            elements.append(variable)
+            continue
+        array = variable.name.removeprefix("der(").removesuffix(")")
+        for i in range(1, n + 1):
+            name = variable.name.replace(array, f"{array}[{i}]")
+            text = variable.description.replace(_link_named(""), f"Link {i}").replace(array, f"{array}[{i}]")
+            elements.append(replace(variable, name=name, index=i - 1, description=text))
+    return elements
+
+
+def _link_named(index: str) -> str:
+    return f"Link {index.strip('[]')}" if index else "Every link, 1 at the top"
+
+
+def _add_derivatives(listing: _Listing, states: list[Variable], begin: _Start) -> None:
+    half = len(states) // 2
     for k, state in enumerate(states):
         unit = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}[state.unit]
         # q' = v exactly; accelerations depend on everything.
@@ -203,12 +275,12 @@ def _add_derivatives(listing: _Listing, cable: Cable, states: list[Variable]) ->
         listing.add(
             f"der({state.name})", Kind.DERIVATIVE, k, unit, f"Time derivative of {state.name}; {FRAME}",
             causality="local", variability="continuous", initial="calculated", derivative_of=state.reference,
-            depends_on=depends_on, on_all_at_start=cable.initial is Initial.EQUILIBRIUM,
+            depends_on=depends_on, on_all_at_start=begin.on_all, dimension=state.dimension,
         )  # fmt: skip
 
 
-def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], dropped: set[str]) -> None:
-    half = cable.n + 1
+def _add_outputs(listing: _Listing, states: list[Variable], dropped: set[str], begin: _Start) -> None:
+    half = len(states) // 2
     heave, angles = states[0].reference, tuple(s.reference for s in states[1:half])
     heave_rate, rates = states[half].reference, tuple(s.reference for s in states[half + 1 :])
     depends_on: dict[str, tuple[int, ...] | None] = {
@@ -224,7 +296,7 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         listing.add(
             name, Kind.OUTPUT, row.slot, row.unit, f"{row.description}; {FRAME}", causality="output",
             variability="continuous", initial="calculated", nominal=row.nominal, depends_on=depends_on.get(name),
-            on_all_at_start=name == "energy" or cable.initial is Initial.EQUILIBRIUM,
+            on_all_at_start=name == "energy" or begin.on_all,
         )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ the FMU's kernel, which never forms a matrix.
 - `matrices` I, C, K [5.1, 5.2]; `vectors` F, G [5.3-5.7]; `drag`, `terminal` what makes up T [5.8-5.10]
 - `model` the equation of motion; `heavy_end` the same for ends of 8e8 kg and for a `pin`
 - `outputs` tensions, energy and powers; `oracle` trajectories by scipy
+- `long_double` the same with three more digits
 - `extended` accelerations and outputs in any precision (to be imported by itself: it needs mpmath)
 """
 
