@@ -176,8 +176,9 @@ def build_program(output: Path, source: Path, platform: str) -> None:
     target = _target(TARGETS[platform][0])
     compiled = output.with_suffix(".o")
     _zig([*target, *STRICT, *_compile_flags(platform), *_headers(), "-c", str(source), "-o", str(compiled)])
-    without = ["-Wl,--subsystem,console", "-Wl,-e,mainCRTStartup", "-nostdlib", "-nostartfiles", "-lucrtbase", "-lkernel32"]
-    _zig([*target, "-s", str(compiled), "-o", str(output), *(without if windows else [])])
+    entry = ["-Wl,--subsystem,console", "-Wl,-e,mainCRTStartup"]
+    alone = [*entry, "-nostdlib", "-nostartfiles", "-lucrtbase", "-lkernel32"]
+    _zig([*target, "-s", str(compiled), "-o", str(output), *(alone if windows else [])])
 
 
 def join_universal(libraries: dict[int, bytes]) -> bytes:

@@ -16,6 +16,7 @@ from fmpy.fmi1 import FMICallException
 
 from cablefmu.cable import Floats
 from cablefmu.fmu.archive import build_fmu
+from cablefmu.fmu.platforms import for_this_machine
 from cablefmu.scene import Scene
 
 __all__ = ["KINDS", "SCENES", "Host", "from_equilibrium", "small_scene", "unpack", "with_links", "with_parameters"]
@@ -83,7 +84,10 @@ def with_links(scene: Scene, n: int) -> Scene:
 def unpack(scene: Scene, folder: Path, fmi: int, *, arrays: bool = False) -> Path:
     """Build the scene's FMU and unpack it into a folder of its own."""
     target = folder / f"{scene.name}-{fmi}"
-    extract(str(build_fmu(scene, folder / f"{scene.name}-{fmi}.fmu", fmi=fmi, arrays=arrays)), unzipdir=str(target))
+    extract(
+        str(build_fmu(scene, folder / f"{scene.name}-{fmi}.fmu", fmi=fmi, arrays=arrays, platforms=for_this_machine())),
+        unzipdir=str(target),
+    )
     return target
 
 

@@ -18,6 +18,7 @@ from . import __version__
 from .errors import CableError, OptionError, RunError
 from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
+from .fmu.platforms import PLATFORMS
 from .fmu.twin import build_twin
 from .fmu.variables import ENUMERATIONS
 from .plot import check_picture, plot_frames
@@ -70,6 +71,10 @@ def build(
             "./build/NAME-fmi3-arrays.fmu.",
         ),
     ] = False,
+    platforms: Annotated[
+        list[str] | None,
+        Parameter(consume_multiple=True, help=f"Machines that it is for, of {', '.join(PLATFORMS)}; all by default."),
+    ] = None,
     twin: Annotated[
         bool, Parameter(negative=(), help="Build the reference model instead, in Python: ./build/NAME-twin.fmu.")
     ] = False,
@@ -79,8 +84,11 @@ def build(
         raise OptionError("fmi = 3: a twin is an FMU of version 2; leave --fmi out, or --twin")
     if twin and arrays:
         raise OptionError("arrays: a twin is an FMU of version 2, which has none; leave --arrays out, or --twin")
+    if twin and platforms is not None:
+        raise OptionError("platforms: a twin is Python and runs on all of them; leave --platforms out, or --twin")
     loaded = load_scene(scene)
-    print(build_twin(loaded, output) if twin else build_fmu(loaded, output, fmi=fmi, arrays=arrays))
+    built = build_fmu(loaded, output, fmi=fmi, arrays=arrays, platforms=platforms) if not twin else None
+    print(built or build_twin(loaded, output))
 
 
 @app.command

@@ -1,14 +1,12 @@
 """The compiled kernel without an FMU: its right-hand side, statics, and a cable linearised about a state of rest.
 
-The library is kernel.so beside the FMU's own; it never travels in an archive. Vectors have n + 1 entries, the heave of
-floater 1 [m] and the link angles [rad], forces likewise [N], [N m]; x to the right, y down.
+The library is named kernel and lies beside the FMU's own; it never travels in an archive. Vectors have n + 1 entries,
+the heave of floater 1 [m] and the link angles [rad], forces likewise [N], [N m]; x to the right, y down.
 """
 
 from __future__ import annotations
 
 import ctypes
-import platform
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
@@ -21,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from .cable import Cable, Drag, Floats, Terminal
 from .errors import OptionError, RunError
+from .fmu.platforms import PLATFORMS, library_name, this_platform
 from .fmu.table import table
 
 __all__ = ["BINDINGS", "KernelModel", "Rest", "Search", "Solution", "StaticsStatus", "library"]
@@ -94,9 +93,11 @@ def library() -> ctypes.CDLL:
     RunError
         Where the package has none for this machine.
     """
-    machine = f"{platform.machine()}-{sys.platform}"
-    source = files("cablefmu") / "binaries" / machine / "kernel.so"
-    if not source.is_file():
+    machine = this_platform()
+    source = (
+        files("cablefmu") / "binaries" / machine / library_name("kernel", machine) if machine in PLATFORMS else None
+    )
+    if source is None or not source.is_file():
         raise RunError(f"this installation has no compiled kernel for {machine}; statics and modes need it")
     with as_file(source) as path:
         loaded = ctypes.CDLL(str(path))

@@ -21,6 +21,7 @@ from .drive import Driver, make_driver
 from .errors import RunError
 from .feed import Feed
 from .fmu.archive import build_fmu
+from .fmu.platforms import for_this_machine
 from .fmu.variables import variables_of
 from .scene import Scene
 from .scene_schema import OutputsTable
@@ -146,7 +147,7 @@ class FmuRuns:
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.scene = scene
         self._folder = folder / "fmu"
-        archive = build_fmu(scene, folder / f"{scene.name}.fmu")
+        archive = build_fmu(scene, folder / f"{scene.name}.fmu", platforms=for_this_machine())
         extract(str(archive), unzipdir=str(self._folder))
         self._description = read_model_description(str(archive), validate=False)
         self._variables = {variable.name: variable for variable in variables_of(scene.cable, scene.dropped_outputs)}

@@ -20,6 +20,7 @@ from .drive import Driver, make_driver
 from .errors import OptionError, RunError
 from .feed import Feed
 from .fmu.archive import Archive, build_fmu, open_fmu
+from .fmu.platforms import for_this_machine
 from .fmu.table import Row, table
 from .fmu.variables import Kind, Variable, elements_of, variables_of
 from .results import Recording, dataset
@@ -144,7 +145,9 @@ def simulate(
     folder = tempfile.mkdtemp(prefix="cablefmu-")
     try:
         if archive is None:
-            archive = open_fmu(build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=version))
+            archive = open_fmu(
+                build_fmu(scene, Path(folder) / f"{scene.name}.fmu", fmi=version, platforms=for_this_machine())
+            )
         extract(str(archive.path), unzipdir=str(Path(folder) / "fmu"))
         return joined(_run(archive, scene, variables, settings, str(Path(folder) / "fmu"), progress), statics)
     except RunError as error:

@@ -23,6 +23,7 @@ import xarray as xr
 from .cable import Floats, Initial
 from .errors import CableError, OptionError, RunError, UserError
 from .fmu.archive import build_fmu
+from .fmu.platforms import for_this_machine
 from .plot import node_positions
 from .scene import Scene
 from .simulate import simulate
@@ -179,7 +180,7 @@ def _own(request: Request, scene: Scene) -> Answer:
         angles = scene.cable.position[1:] + request.nudge * noise
         parameters |= {f"theta[{k}]": float(angle) for k, angle in enumerate(angles, start=1)}
     if not request.fmu.exists():
-        build_fmu(scene, request.fmu, fmi=request.case.fmi)
+        build_fmu(scene, request.fmu, fmi=request.case.fmi, platforms=for_this_machine())
     result = simulate(
         request.fmu, step=request.step, tolerance=request.tolerance, parameters=parameters, record=["theta"]
     )  # fmt: skip

@@ -126,7 +126,7 @@ def stepping(folder: str, *, initialize: bool) -> Any:
 
 def through_fmpy(fmi: int, folder: Path) -> dict[str, float]:
     """Seconds of a communication step of one link through FMPy, of an empty FMU, and of the integration alone."""
-    path = cablefmu.build_fmu(scene(1), folder / f"fmpy-{fmi}.fmu", fmi=fmi)
+    path = cablefmu.build_fmu(scene(1), folder / f"fmpy-{fmi}.fmu", fmi=fmi, platforms=["x86_64-linux"])
     ours = stepping(extract(str(path), unzipdir=str(folder / f"fmpy-{fmi}")), initialize=True)
     empty = stepping(empty_fmu(path, folder), initialize=False)
     at = [0]

@@ -94,7 +94,7 @@ def test_two_builds_are_the_same_to_the_byte(fmi: int, tmp_path: Path, monkeypat
 
 @both
 def test_members(fmi: int, tmp_path: Path) -> None:
-    path = build_fmu(small_scene("load-volume"), tmp_path / "x.fmu", fmi=fmi)
+    path = build_fmu(small_scene("load-volume"), tmp_path / "x.fmu", fmi=fmi, platforms=["x86_64-linux"])
     platform = "linux64" if fmi == 2 else "x86_64-linux"
     with zipfile.ZipFile(path) as archive:
         assert archive.namelist() == [

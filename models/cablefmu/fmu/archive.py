@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
@@ -19,17 +19,12 @@ from ..scene import Scene, load_scene
 from ..whole import whole_of
 from .description import Experiment, describe, model_identifier
 from .documentation import DOCUMENTATION, documentation
+from .platforms import binaries
 from .resource import RESOURCE_NAME, resource_bytes, token_of
 from .terminals import icon_png, terminals_and_icons
 from .variables import Variable, variables_of
 
 __all__ = ["Archive", "build_fmu", "default_path", "open_fmu", "write_zip"]
-
-BINARIES = {
-    2: {"linux64": "x86_64-linux/cable.so"},
-    3: {"x86_64-linux": "x86_64-linux/cable.so"},
-}
-"""FMI version -> folder in the archive -> file among the package's binaries."""
 
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip can say: two builds are the same to the byte
 
@@ -40,7 +35,12 @@ def default_path(scene: Scene, fmi: int, *, arrays: bool = False) -> Path:
 
 
 def build_fmu(
-    scene: Scene | str | Path, output: str | Path | None = None, *, fmi: int | None = None, arrays: bool = False
+    scene: Scene | str | Path,
+    output: str | Path | None = None,
+    *,
+    fmi: int | None = None,
+    arrays: bool = False,
+    platforms: Collection[str] | None = None,
 ) -> Path:
     """Build a scene's FMU: Model Exchange and Co-Simulation in one archive.
 
@@ -54,6 +54,8 @@ def build_fmu(
         Version of FMI, 2 (default) or 3.
     arrays
         Link angles and rates as arrays, and the number of links as a structural parameter n: FMI 3 alone has these.
+    platforms
+        Machines that it is for, of `cablefmu.fmu.platforms.PLATFORMS`; all by default.
 
     Returns
     -------
@@ -65,23 +67,24 @@ def build_fmu(
     SceneError
         If the scene is not in order, or with arrays: does not say how its cable is divided into any number of links.
     OptionError
-        If `fmi` is neither 2 nor 3, or 2 with arrays, or the file cannot be written.
+        If `fmi` is neither 2 nor 3, or 2 with arrays, or a platform is unknown, or the file cannot be written.
     """
     fmi = fmi if fmi is not None else 3 if arrays else 2
-    if fmi not in BINARIES:
+    if fmi not in (2, 3):
         raise OptionError(f"fmi = {fmi!r}: 2 or 3 is expected")
     if arrays and fmi == 2:
         raise OptionError("fmi = 2: FMI 2 has no arrays; version 3 is expected")
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     path = Path(output) if output is not None else default_path(scene, fmi, arrays=arrays)
-    members = _members(scene, fmi, whole_of(scene) if arrays else None)
+    libraries = binaries(fmi, platforms)
+    members = _members(scene, fmi, whole_of(scene) if arrays else None, libraries)
     with replacing(path) as temporary:
         write_zip(temporary, members)
     return path
 
 
-def _members(scene: Scene, fmi: int, whole: Whole | None) -> dict[str, bytes]:
+def _members(scene: Scene, fmi: int, whole: Whole | None, libraries: Mapping[str, str]) -> dict[str, bytes]:
     variables = variables_of(scene.cable, scene.dropped_outputs, whole)
     resource = resource_bytes(scene.cable, variables, whole)
     experiment = Experiment(scene.stop_time, scene.step, scene.tolerance)
@@ -104,7 +107,7 @@ def _members(scene: Scene, fmi: int, whole: Whole | None) -> dict[str, bytes]:
         members["model.png"] = icon_png()
     for name, content in scene.files.items():
         members[f"resources/{name}"] = content
-    for folder, binary in BINARIES[fmi].items():
+    for folder, binary in libraries.items():
         members[f"binaries/{folder}/{model_identifier(scene.name)}{Path(binary).suffix}"] = (
             package / binary
         ).read_bytes()
