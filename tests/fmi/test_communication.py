@@ -189,3 +189,21 @@ def test_no_output_is_given_that_is_not_a_number(fmi: int, unpacked: Unpacked) -
         more = () if fmi == 2 else (one,)
         assert raw(function, references(raw.reference["energy"]), one, values, *more) == 3
         assert "forces or rates are beyond the range of numbers" in raw.messages[-1][2]
+
+
+@pytest.mark.parametrize(
+    ("fmi", "function"),
+    [(2, "GetDirectionalDerivative"), (3, "GetDirectionalDerivative"), (3, "GetAdjointDerivative")],
+)
+def test_no_derivative_is_given_that_is_not_a_number(fmi: int, function: str, unpacked: Unpacked) -> None:
+    """A seed near the end of the range of numbers, and rates between: the fuzzer found it."""
+    with Raw(unpacked("load", fmi), "cs") as raw:
+        raw.initialize()
+        one, seed, sensitivity = size(1), numbers(1.7e308), numbers(0.0)
+        unknown, known = references(raw.reference["der(omega[2])"]), references(raw.reference["theta[2]"])
+        if fmi == 2:
+            status = raw(function, unknown, one, known, one, seed, sensitivity)
+        else:
+            status = raw(function, unknown, one, known, one, seed, one, sensitivity, one)
+        assert status == 3
+        assert "is beyond the range of numbers" in raw.messages[-1][2]

@@ -1,0 +1,154 @@
+"""The fuzzers, their scenes and the files they start from."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import subprocess
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from fmpy import read_model_description
+
+from cablefmu.scene import Scene
+from tests.fmu_helpers import SCENES, from_equilibrium, unpack
+from tests.kernel.library import toolchain
+
+__all__ = ["COVERAGE", "FUZZERS", "SANITIZED", "compile_fuzzers", "environment", "saved", "seeds",
+           "write_scenes"]  # fmt: skip
+
+HERE = Path(__file__).parent
+FUZZERS = ("calls", "resource")
+FIRST_FUNCTION, RUN_UP, CONTINUE, AS_NEW, ROLL_BACK, IN_STEP, TO_IMAGE, DAMAGE, STEP = 16, 3, 4, 5, 6, 7, 8, 9, 10
+CLOSE, A_SMALL_NUMBER = 2, 35
+"""Functions and deeds by their numbers in host.h and deeds.c."""
+READ = {2: "fmi2GetReal", 3: "fmi3GetFloat64"}
+_SHARED = ("scenes.c", "arguments.c", "host2.c", "host3.c", "deeds.c")
+
+# Sanitized loops are not vectorised, which the kernel asks for: no news.
+_CLANG = ["clang", "-g", "-O1", "-fno-omit-frame-pointer", "-ffp-contract=off"]
+# A step that takes more attempts than this is given up, as others are after a million: time is for other calls.
+_WORDS = ["-D_POSIX_C_SOURCE=200809L", "-DSOLVER_MOST_STEPS=150", "-Dfopen=fuzz_fopen"]
+SANITIZED = ("-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all")
+COVERAGE = ("-fsanitize=fuzzer", "-fprofile-instr-generate", "-fcoverage-mapping")
+
+
+def compile_fuzzers(folder: Path, flags: Sequence[str] = SANITIZED, *, sources: Path | None = None) -> None:
+    """All of `FUZZERS` as programs in `folder`; the FMU's C files from `sources`, a copy of fmu_src, if given."""
+    recipe = toolchain()
+    root = sources or recipe.HERE
+    parts = {part: sorted((root / part).glob("*.c")) for part in ("kernel", "fmi")}
+    words = ["-I", str(root), "-isystem", str(recipe.fmi_headers()), *recipe.STRICT, "-Wno-pass-failed", *_WORDS]
+
+    def clang(place: Path, *arguments: str) -> None:
+        command = [*_CLANG, *flags, *words, *arguments]
+        result = subprocess.run(command, capture_output=True, text=True, cwd=place)
+        assert result.returncode == 0, result.stderr
+
+    objects: list[str] = []
+    for part, files in {**parts, "host": [HERE / file for file in _SHARED]}.items():
+        (folder / part).mkdir(parents=True)
+        clang(folder / part, "-c", *map(str, files))
+        objects += [f"{part}/{path.stem}.o" for path in files]
+    for name in FUZZERS:
+        clang(folder, str(HERE / f"fuzz_{name}.c"), *objects, "-o", name, "-lm")
+
+
+def write_scenes(folder: Path) -> Path:
+    """The resource files of small scenes of every kind as 0.bin, 1.bin, ...: two links are enough."""
+    target = folder / "scenes"
+    target.mkdir()
+    scenes = [
+        Scene.from_text(text.replace("links = 5", "links = 2"), name=kind)
+        for kind, text in SCENES.items()
+        if kind != "load-volume"
+    ]
+    for number, scene in enumerate([*scenes, from_equilibrium(scenes[1])]):
+        unpacked = unpack(scene, folder / f"scene-{number}", 3)
+        (target / f"{number}.bin").write_bytes((unpacked / "resources" / "cable.bin").read_bytes())
+    return target
+
+
+def seeds_of_resources(scenes: Path, folder: Path) -> Path:
+    """Every scene's file, whole, cut, too long, and with each word of its header changed."""
+    folder.mkdir()
+    for path in sorted(scenes.glob("*.bin")):
+        whole = path.read_bytes()
+        (folder / path.stem).write_bytes(whole)
+        (folder / f"{path.stem}-cut").write_bytes(whole[:-8])
+        (folder / f"{path.stem}-long").write_bytes(whole + bytes(8))
+    first = (scenes / "0.bin").read_bytes()
+    for word in range(0, 64, 4):
+        (folder / f"word-{word}").write_bytes(first[:word] + bytes([first[word] ^ 0x47]) + first[word + 1 :])
+    (folder / "no-mass").write_bytes(first[: 56 + 8 * 64] + bytes(8) + first[64 + 8 * 64 :])
+    return folder
+
+
+def _functions(fmi: int) -> dict[str, int]:
+    """Name -> number of the table's line."""
+    text = (HERE / f"calls{fmi}.def").read_text()
+    return {name: FIRST_FUNCTION + k for k, name in enumerate(re.findall(r"^CALL\((\w+),", text, re.MULTILINE))}
+
+
+def _record(
+    function: int, *, slot: int = 0, count: int = 0, flags: int = 0, references: Sequence[int] = (),
+    values: Sequence[int] = (), spare: int = 0,
+) -> bytes:  # fmt: skip
+    """As `Record` in host.h."""
+    three = [(*numbers, 0, 0, 0)[:3] for numbers in (references, values)]
+    return bytes([function, slot, count, 0, flags, *three[0], *three[1], spare])
+
+
+def _journeys(fmi: int, cosimulation: int, scene: int, reference: dict[str, int]) -> Iterator[list[bytes]]:
+    """What a careful host does with each function of the table, and with several variables."""
+    listens = 4 | 2 if fmi == 3 and cosimulation else 0
+    opened = _record(fmi - 2, count=1, references=[reference["u_m1"]], values=[cosimulation, listens, scene])
+    begin = [_record(RUN_UP), *([] if cosimulation else [_record(CONTINUE)])]
+    for name in ("u_m1", "x_c", "theta[1]", "solver") if scene == 1 else ("x_c",):
+        for value in (reference["theta[1]"], A_SMALL_NUMBER):
+            for number in _functions(fmi).values():
+                call = {"count": 1, "references": [reference[name]], "values": [value] * 3}
+                yield [opened, _record(number, **call), *begin, _record(number, **call), _record(STEP), _record(AS_NEW)]
+                if listens and name in ("u_m1", "x_c"):
+                    for flags in (0, 16, 32 | 16, 64 | 32 | 16):
+                        deed = _record(IN_STEP, **call, flags=flags, spare=number)
+                        yield [opened, *begin, deed, _record(STEP), _record(AS_NEW)]
+    readings = [_record(_functions(fmi)[READ[fmi]], count=1, references=[k]) for k in range(0, 60, 2)]
+    yield [opened, *readings, *begin, *readings]
+    yield [opened, *begin, *(_record(deed) for deed in (ROLL_BACK, TO_IMAGE, STEP, DAMAGE, CLOSE))]
+
+
+def _batches(journeys: Iterable[list[bytes]], size: int) -> Iterator[tuple[list[bytes], ...]]:
+    rest = iter(journeys)
+    while batch := tuple(itertools.islice(rest, size)):
+        yield batch
+
+
+def seeds_of_calls(folder: Path, scenes: Path) -> Path:
+    """Journeys on every scene, one behind the other in files of a sensible size."""
+    folder.mkdir()
+    for fmi, cosimulation, scene in itertools.product((2, 3), (0, 1), range(len(list(scenes.iterdir())))):
+        (unpacked,) = (scenes.parent / f"scene-{scene}").glob("*-3/")
+        description = read_model_description(str(unpacked), validate=False)
+        reference = {variable.name: variable.valueReference for variable in description.modelVariables}
+        for number, journeys in enumerate(_batches(_journeys(fmi, cosimulation, scene, reference), 8)):
+            (folder / f"{fmi}-{cosimulation}-{scene}-{number}").write_bytes(b"".join(itertools.chain(*journeys)))
+    return folder
+
+
+def seeds(scenes: Path, folder: Path) -> dict[str, Path]:
+    """Fuzzer -> folder of files to begin with, made of the scenes and tables as they are now."""
+    return {"calls": seeds_of_calls(folder / "seeds-calls", scenes),
+            "resource": seeds_of_resources(scenes, folder / "seeds-resource")}  # fmt: skip
+
+
+def saved(name: str) -> Path:
+    """The folder of files that earlier runs kept."""
+    return HERE / "corpus" / name
+
+
+def environment(scenes: Path) -> dict[str, str]:
+    """In which a fuzzer runs."""
+    options = "detect_leaks=1:strict_string_checks=1:allocator_may_return_null=1:max_allocation_size_mb=512"
+    return {"PATH": "/usr/bin:/bin", "FUZZ_SCENES": str(scenes), "ASAN_OPTIONS": options,
+            "UBSAN_OPTIONS": "print_stacktrace=1"}  # fmt: skip
