@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from tests.fuzz.building import COVERAGE, FUZZERS, compile_fuzzers, saved, seeds, write_scenes
-from tests.fuzz.running import Outcome, lines_covered, merge, run
+from tests.fuzz.running import Outcome, lines_covered, merge, run_on
 from tests.kernel.library import toolchain
 
 SHARE = {"calls": 0.8, "resource": 0.2}
@@ -37,7 +37,7 @@ def main() -> int:
     for name in FUZZERS:
         seconds = round(60.0 * options.minutes * SHARE[name])
         program, found = work / "sanitized" / name, work / f"found-{name}"
-        outcomes[name] = run(
+        outcomes[name] = run_on(
             program, scenes, found, [start[name], saved(name)], seconds=seconds, seed=options.seed, jobs=options.jobs
         )
         outcome = outcomes[name]

@@ -11,10 +11,10 @@ static const uint64_t UNTOUCHED = 0x7ff8dead0000beef;
 
 static double value_of(uint8_t code)
 {
-    static const double VALUE[] = {0.0,   1.0,    -1.0,    0.1,     -0.1,    0.5,      1e-3,     1e-9,
-                                   10.0,  500.0,  -2000.0, 1e5,     1e9,     1e300,    -1e300,   DBL_MAX,
+    static const double VALUE[] = {0.0,   1.0,    -1.0,    0.1,     -0.1,     0.5,       1e-3,   1e-9,
+                                   10.0,  500.0,  -2000.0, 1e5,     1e9,      1e300,     -1e300, DBL_MAX,
                                    1e-17, 1e-300, 5e-324,  NAN,     HUGE_VAL, -HUGE_VAL, 1.7e6,  3.14159,
-                                   1e-6,  1e-12,  0.25,    -1e-308, 1e17,    1e12,     1e200,    2.0};
+                                   1e-6,  1e-12,  0.25,    -1e-308, 1e17,     1e12,      1e200,  2.0};
     enum { COUNT = sizeof VALUE / sizeof *VALUE };
     return code < COUNT ? VALUE[code] : (code - 144) * 0.05;
 }
@@ -37,7 +37,7 @@ static void *block(size_t count, size_t size, bool absent)
 /* Names of log categories and values of strings. */
 static const char *name_of(uint8_t code)
 {
-    static const char *const NAME[] = {"logStatusError", "logStatusWarning", "logStatusDiscard", "logAll", "", NULL,
+    static const char *const NAME[] = {"logStatusError",    "logStatusWarning", "logStatusDiscard", "logAll", "", NULL,
                                        "100% \xc3\xbc \xff"};
     return NAME[code % (sizeof NAME / sizeof *NAME)];
 }
@@ -60,7 +60,8 @@ static void fill(Arguments *a, const Slot *slot, const Record *record, bool sets
     }
     for (size_t k = 0; k < a->values && a->in; k++) a->in[k] = value_of(record->value[k % 3]);
     for (size_t k = 0; k < a->values && a->out; k++) a->out[k] = untouched();
-    for (size_t k = 0; k < a->state_count && a->states; k++) a->states[k] = sets ? value_of(record->value[k % 3]) : untouched();
+    for (size_t k = 0; k < a->state_count && a->states; k++)
+        a->states[k] = sets ? value_of(record->value[k % 3]) : untouched();
     if (a->bytes && slot->image) memcpy(a->bytes, slot->image, fmin(a->byte_count, slot->image_size));
 }
 

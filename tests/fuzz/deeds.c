@@ -120,7 +120,8 @@ static void as_new(Slot *slot)
 
 static int state_call(Slot *slot, bool set, void **state)
 {
-    if (slot->fmi == 2) return set ? (int)fmi2SetFMUstate(slot->component, *state) : (int)fmi2GetFMUstate(slot->component, state);
+    if (slot->fmi == 2)
+        return set ? (int)fmi2SetFMUstate(slot->component, *state) : (int)fmi2GetFMUstate(slot->component, state);
     return set ? (int)fmi3SetFMUState(slot->component, *state) : (int)fmi3GetFMUState(slot->component, state);
 }
 
@@ -135,9 +136,11 @@ static void roll_back(Slot *slot)
     for (int k = 0; k < 2; k++) {
         status[k] = do_step(slot, time, 0.05);
         hash[k] = hash_of_values(slot, 0xcbf29ce484222325u);
-        if (state_call(slot, true, &slot->state[0]) != 0) give_up("a state of its own was refused", slot->scene->location);
+        if (state_call(slot, true, &slot->state[0]) != 0)
+            give_up("a state of its own was refused", slot->scene->location);
     }
-    if (status[0] != status[1] || hash[0] != hash[1]) give_up("not the same step from the same state", slot->scene->location);
+    if (status[0] != status[1] || hash[0] != hash[1])
+        give_up("not the same step from the same state", slot->scene->location);
 }
 
 static void to_image(Slot *slot, int which)
@@ -176,7 +179,9 @@ void deed(Slot *slot, const Record *record)
     case IN_STEP: slot->in_step = *record, slot->callbacks = 0; break;
     case TO_IMAGE: to_image(slot, record->flags >> 3 & 1); break;
     case DAMAGE:
-        if (slot->image_size) slot->image[(size_t)(record->value[0] * 256 + record->value[1]) % slot->image_size] ^= 1u + record->value[2];
+        if (slot->image_size)
+            slot->image[(size_t)(record->value[0] * 256 + record->value[1]) % slot->image_size] ^=
+                1u + record->value[2];
         break;
     case STEP: do_step(slot, now(slot), 0.05); break;
     default: break;

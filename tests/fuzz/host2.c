@@ -34,11 +34,15 @@ void open2(Slot *slot, const Record *record)
     fmi2CallbackFunctions functions = {record->flags & 1 ? NULL : log_message, NULL, NULL, NULL, slot};
     slot->is_silent = record->flags & 3;
     slot->is_cosimulation = record->value[0] & 1;
-    const fmi2Type type = record->flags & 4 ? (fmi2Type)7 : slot->is_cosimulation ? fmi2CoSimulation : fmi2ModelExchange;
+    const fmi2Type type = record->flags & 4       ? (fmi2Type)7
+                          : slot->is_cosimulation ? fmi2CoSimulation
+                                                  : fmi2ModelExchange;
     const char *token = record->flags & 8 ? "{another}" : record->flags & 16 ? NULL : slot->scene->token;
     const char *location = record->flags & 32 ? "file:///no/such%20folder" : slot->scene->location;
     slot->component = fmi2Instantiate(record->flags & 64 ? NULL : "fuzz", type, token, location,
                                       record->flags & 2 ? NULL : &functions, fmi2False, fmi2True);
-    if (slot->component && record->flags & (4 + 8 + 16 + 32)) give_up("an instance for", "a wrong type, token or place");
-    if (!slot->component && !slot->is_silent && !slot->messages) give_up("no instance and no message", "fmi2Instantiate");
+    if (slot->component && record->flags & (4 + 8 + 16 + 32))
+        give_up("an instance for", "a wrong type, token or place");
+    if (!slot->component && !slot->is_silent && !slot->messages)
+        give_up("no instance and no message", "fmi2Instantiate");
 }

@@ -64,7 +64,8 @@ void open3(Slot *slot, const Record *record)
     Arguments a;
     make_arguments(&a, slot, record, false);
     if (record->flags & 4)
-        slot->component = fmi3InstantiateScheduledExecution("fuzz", token, location, false, true, slot, log, NULL, NULL, NULL);
+        slot->component =
+            fmi3InstantiateScheduledExecution("fuzz", token, location, false, true, slot, log, NULL, NULL, NULL);
     else if (slot->is_cosimulation)
         slot->component = fmi3InstantiateCoSimulation("fuzz", token, location, false, true, record->value[1] & 1,
                                                       record->value[1] & 2, a.references, a.count, slot, log,
@@ -72,6 +73,8 @@ void open3(Slot *slot, const Record *record)
     else
         slot->component = fmi3InstantiateModelExchange("fuzz", token, location, false, true, slot, log);
     free_arguments(&a);
-    if (slot->component && record->flags & (4 + 8 + 16 + 32)) give_up("an instance for", "a wrong type, token or place");
-    if (!slot->component && !slot->is_silent && !slot->messages) give_up("no instance and no message", "fmi3Instantiate");
+    if (slot->component && record->flags & (4 + 8 + 16 + 32))
+        give_up("an instance for", "a wrong type, token or place");
+    if (!slot->component && !slot->is_silent && !slot->messages)
+        give_up("no instance and no message", "fmi3Instantiate");
 }

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import re
 import subprocess
-from collections.abc import Iterable
+import time
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 from tests.fuzz.building import environment
 
-__all__ = ["Outcome", "lines_covered", "merge", "run"]
+__all__ = ["Outcome", "lines_covered", "merge", "run", "run_on"]
 
 MOST_BYTES = {"calls": 768, "resource": 4096}
 """64 records; a cable of two links has some 1,500 bytes"""
-_SECONDS_PER_FILE = 20
+_SECONDS_PER_FILE, _MOST_CRASHES = 20, 20
 
 
 @dataclass(frozen=True)
@@ -30,27 +32,43 @@ class Outcome:
     """What it printed last"""
 
 
-def run(
-    program: Path, scenes: Path, found: Path, start: Iterable[Path], *, seconds: int, seed: int = 1, jobs: int = 0
-) -> Outcome:
-    """Mutate files of the folders `start` for so long; what is new goes to the folder `found`.
-
-    With `jobs` processes in turn a crash does not end the run; without, the same seed does the same.
-    """
-    crashes = found.parent / f"{found.name}-crashes"
+def run(program: Path, scenes: Path, found: Path, start: Iterable[Path], *, seconds: int, seed: int = 1) -> Outcome:
+    """Mutate files of the folders `start` for so long or until one breaks something; what is new goes to `found`."""
+    crashes = found.parent / f"{found.name}-crashes-{seed}"
     crashes.mkdir(parents=True, exist_ok=True)
     found.mkdir(exist_ok=True)
     command = [str(program), f"-max_total_time={seconds}", f"-seed={seed}", f"-artifact_prefix={crashes}/"]
     command += [f"-max_len={MOST_BYTES[program.name]}", f"-timeout={_SECONDS_PER_FILE}", "-print_final_stats=1"]
-    if jobs:
-        command += [f"-fork={jobs}", "-ignore_crashes=1", "-ignore_timeouts=1", "-ignore_ooms=1"]
     command += [str(found), *map(str, start)]
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=environment(scenes))
-    counts = re.findall(r"^#(\d+):?\s.*?cov: (\d+)", done.stderr, re.MULTILINE) or [("0", "0")]
-    executions = re.findall(r"number_of_executed_units: (\d+)", done.stderr) or [counts[-1][0]]
-    files = sorted(path for path in crashes.iterdir() if path.is_file())
+    executions = re.findall(r"number_of_executed_units: (\d+)", done.stderr) or ["0"]
+    edges = re.findall(r"^#\d+\s.*?cov: (\d+)", done.stderr, re.MULTILINE) or ["0"]
+    files = sorted(crashes.iterdir())
     assert files or done.returncode == 0, done.stderr[-3000:]
-    return Outcome(int(executions[-1]), int(counts[-1][1]), files, done.stderr[-6000:])
+    return Outcome(int(executions[-1]), int(edges[-1]), files, done.stderr[-6000:])
+
+
+def run_on(
+    program: Path, scenes: Path, found: Path, start: Sequence[Path], *, seconds: int, seed: int, jobs: int
+) -> Outcome:
+    """The same in several processes that share what they find, each begun anew after a crash until the time is up."""
+    until = time.monotonic() + seconds
+
+    def work(job: int) -> list[Outcome]:
+        outcomes: list[Outcome] = []
+        while (left := round(until - time.monotonic())) > 0 and len(outcomes) < _MOST_CRASHES:
+            number = seed + job + jobs * len(outcomes)
+            outcomes.append(run(program, scenes, found, start, seconds=left, seed=number))
+        return outcomes
+
+    with ThreadPoolExecutor(jobs) as pool:
+        outcomes = [outcome for several in pool.map(work, range(jobs)) for outcome in several]
+    return Outcome(
+        sum(outcome.executions for outcome in outcomes),
+        max(outcome.edges for outcome in outcomes),
+        [path for outcome in outcomes for path in outcome.crashes],
+        outcomes[-1].text,
+    )
 
 
 def merge(program: Path, scenes: Path, into: Path, folders: Iterable[Path]) -> None:
