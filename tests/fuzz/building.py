@@ -22,6 +22,9 @@ FUZZERS = ("calls", "resource")
 FIRST_FUNCTION, RUN_UP, CONTINUE, AS_NEW, ROLL_BACK, IN_STEP, TO_IMAGE, DAMAGE, STEP = 16, 3, 4, 5, 6, 7, 8, 9, 10
 CLOSE, A_SMALL_NUMBER = 2, 35
 """Functions and deeds by their numbers in host.h and deeds.c."""
+EXTREMES = (13, 22, 30)
+"""Codes of 1e300, 1.7e6 and 1e200 in arguments.c."""
+WRITE = {2: "fmi2SetReal", 3: "fmi3SetFloat64"}
 READ = {2: "fmi2GetReal", 3: "fmi3GetFloat64"}
 _SHARED = ("scenes.c", "arguments.c", "host2.c", "host3.c", "deeds.c")
 
@@ -108,13 +111,16 @@ def _journeys(fmi: int, cosimulation: int, scene: int, reference: dict[str, int]
         for value in (reference["theta[1]"], A_SMALL_NUMBER):
             for number in _functions(fmi).values():
                 call = {"count": 1, "references": [reference[name]], "values": [value] * 3}
-                yield [opened, _record(number, **call), *begin, _record(number, **call), _record(STEP), _record(AS_NEW)]
+                yield [opened, _record(number, **call), *begin, _record(number, **call), _record(STEP)]
                 if listens and name in ("u_m1", "x_c"):
                     for flags in (0, 16, 32 | 16, 64 | 32 | 16):
                         deed = _record(IN_STEP, **call, flags=flags, spare=number)
-                        yield [opened, *begin, deed, _record(STEP), _record(AS_NEW)]
+                        yield [opened, *begin, deed, _record(STEP)]
     readings = [_record(_functions(fmi)[READ[fmi]], count=1, references=[k]) for k in range(0, 60, 2)]
     yield [opened, *readings, *begin, *readings]
+    for name, value in itertools.product(("u_m1", "M_1", "theta[1]", "omega[1]", "y_m1"), EXTREMES):
+        extreme = _record(_functions(fmi)[WRITE[fmi]], count=1, references=[reference[name]], values=[value] * 3)
+        yield [opened, extreme, *begin, extreme, *readings[::5], _record(STEP), _record(AS_NEW)]
     yield [opened, *begin, *(_record(deed) for deed in (ROLL_BACK, TO_IMAGE, STEP, DAMAGE, CLOSE))]
 
 

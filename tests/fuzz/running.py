@@ -72,8 +72,15 @@ def run_on(
 
 
 def merge(program: Path, scenes: Path, into: Path, folders: Iterable[Path]) -> None:
-    """The fewest files of the folders that take all their branches."""
-    command = [str(program), "-merge=1", f"-max_len={MOST_BYTES[program.name]}", str(into), *map(str, folders)]
+    """Few files of the folders that take all their branches, however often."""
+    command = [
+        str(program),
+        "-merge=1",
+        "-use_counters=0",
+        f"-max_len={MOST_BYTES[program.name]}",
+        str(into),
+        *map(str, folders),
+    ]
     subprocess.run(command, capture_output=True, check=True, env=environment(scenes))
 
 
