@@ -22,8 +22,9 @@ FUZZERS = ("calls", "resource")
 FIRST_FUNCTION, RUN_UP, CONTINUE, AS_NEW, ROLL_BACK, IN_STEP, TO_IMAGE, DAMAGE, STEP = 16, 3, 4, 5, 6, 7, 8, 9, 10
 CLOSE, A_SMALL_NUMBER = 2, 35
 """Functions and deeds by their numbers in host.h and deeds.c."""
-EXTREMES = (13, 22, 30)
-"""Codes of 1e300, 1.7e6 and 1e200 in arguments.c."""
+EXTREMES, MILLI, ENDLESS = (13, 22, 30, 19), 6, 255
+"""Codes of 1e300, 1.7e6, 1e200 and nan, and of 1e-3, in arguments.c; of no time to return at in host3.c."""
+ENTER = {2: ("fmi2SetupExperiment", "fmi2EnterInitializationMode"), 3: ("fmi3EnterInitializationMode",)}
 WRITE = {2: "fmi2SetReal", 3: "fmi3SetFloat64"}
 READ = {2: "fmi2GetReal", 3: "fmi3GetFloat64"}
 _SHARED = ("scenes.c", "arguments.c", "host2.c", "host3.c", "deeds.c")
@@ -118,6 +119,13 @@ def _journeys(fmi: int, cosimulation: int, scene: int, reference: dict[str, int]
                         yield [opened, *begin, deed, _record(STEP)]
     readings = [_record(_functions(fmi)[READ[fmi]], count=1, references=[k]) for k in range(0, 60, 2)]
     yield [opened, *readings, *begin, *readings]
+    calls = _functions(fmi)
+    enter = [_record(calls[name], values=[0, 0, MILLI], flags=2) for name in ENTER[fmi]]  # stops after 1 ms
+    for number in calls.values():
+        call = _record(number, count=1, references=[reference["x_c"]], values=[reference["u_m1"]] * 3)
+        yield [opened, *enter, call, _record(calls[f"fmi{fmi}ExitInitializationMode"]), _record(STEP)]
+    if listens:
+        yield [opened, *begin, _record(IN_STEP, flags=32 | 16, values=[ENDLESS]), _record(STEP)]
     for name, value in itertools.product(("u_m1", "M_1", "theta[1]", "omega[1]", "y_m1"), EXTREMES):
         extreme = _record(_functions(fmi)[WRITE[fmi]], count=1, references=[reference[name]], values=[value] * 3)
         yield [opened, extreme, *begin, extreme, *readings[::5], _record(STEP), _record(AS_NEW)]

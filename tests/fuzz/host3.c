@@ -1,6 +1,6 @@
 /* Hosts of FMI 3.0, with their call-backs inside a step. */
+#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "fmi3Functions.h"
 #include "host.h"
@@ -49,7 +49,7 @@ static void update(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Bo
     if (record.flags & 16 ? finished : asked) checked_call(slot, &record);
     slot_in_step = NULL;
     *early = record.flags & 32;
-    *early_time = record.flags & 64 ? time + 0.01 : record.value[0] * 0.1;
+    *early_time = record.value[0] == 255 ? NAN : record.flags & 64 ? time + 0.01 : record.value[0] * 0.1;
 }
 
 void open3(Slot *slot, const Record *record)
