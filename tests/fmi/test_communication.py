@@ -173,6 +173,14 @@ def test_log_categories(fmi: int, unpacked: Unpacked) -> None:
         assert raw("SetDebugLogging", boolean(fmi, True), size(1), None) == 3
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_what_means_something_in_messages_is_doubled(fmi: int, unpacked: Unpacked) -> None:
+    """A # begins a reference to a variable, a % a conversion of printf where that is what hosts do (FMI 2)."""
+    with Raw(unpacked("load", fmi), "cs", location="/no/100 %/#1") as raw:
+        percent = "%%" if fmi == 2 else "%"
+        assert raw.messages[0][2] == f"resource file /no/100 {percent}/##1/cable.bin: cannot be opened"
+
+
 def test_an_unknown_kind_of_fmu(unpacked: Unpacked) -> None:
     with Raw(unpacked("load", 2), "cs", kind=2) as raw:
         assert raw.pointer is None

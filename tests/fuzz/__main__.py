@@ -11,7 +11,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from tests.fuzz.building import COVERAGE, FUZZERS, compile_fuzzers, saved, seeds, write_scenes
+from tests.fuzz.building import COVERAGE, FUZZERS, SAVED, compile_fuzzers, starts, write_scenes
 from tests.fuzz.running import Outcome, lines_covered, merge, run_on
 from tests.kernel.library import toolchain
 
@@ -29,7 +29,7 @@ def main() -> int:
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
     scenes = write_scenes(work)
-    start = seeds(scenes, work)
+    start = starts(scenes, work)
     compile_fuzzers(work / "sanitized")
     compile_fuzzers(work / "coverage", COVERAGE)
 
@@ -38,7 +38,7 @@ def main() -> int:
         seconds = round(60.0 * options.minutes * SHARE[name])
         program, found = work / "sanitized" / name, work / f"found-{name}"
         outcomes[name] = run_on(
-            program, scenes, found, [start[name], saved(name)], seconds=seconds, seed=options.seed, jobs=options.jobs
+            program, scenes, found, start[name], seconds=seconds, seed=options.seed, jobs=options.jobs
         )
         outcome = outcomes[name]
         print(f"{name}: {outcome.executions} executions in {seconds} s, {outcome.edges} edges, "
@@ -49,13 +49,13 @@ def main() -> int:
     fewest = work / "fewest"
     fewest.mkdir()
     program = work / "sanitized" / "calls"
-    merge(program, scenes, fewest, [start["calls"], saved("calls"), work / "found-calls"])
-    shutil.rmtree(saved("calls"))
-    shutil.copytree(fewest, saved("calls"))
+    merge(program, scenes, fewest, [*start["calls"], work / "found-calls"])
+    shutil.rmtree(SAVED)
+    shutil.copytree(fewest, SAVED)
     size = sum(path.stat().st_size for path in fewest.iterdir())
     print(f"corpus: {len(list(fewest.iterdir()))} files, {size} bytes")
 
-    folders = {work / "coverage" / name: [start[name], saved(name)] for name in FUZZERS}
+    folders = {work / "coverage" / name: start[name] for name in FUZZERS}
     for name, share in lines_covered(folders, scenes, sorted((toolchain().HERE / "fmi").glob("*.c"))).items():
         print(f"{name}: {share:.1f} % of its lines")
     return 1 if any(outcome.crashes for outcome in outcomes.values()) else 0

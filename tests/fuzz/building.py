@@ -14,11 +14,12 @@ from cablefmu.scene import Scene
 from tests.fmu_helpers import SCENES, from_equilibrium, unpack
 from tests.kernel.library import toolchain
 
-__all__ = ["COVERAGE", "FUZZERS", "SANITIZED", "compile_fuzzers", "environment", "saved", "seeds",
-           "write_scenes"]  # fmt: skip
+__all__ = ["COVERAGE", "FUZZERS", "SANITIZED", "compile_fuzzers", "environment", "starts", "write_scenes"]  # fmt: skip
 
 HERE = Path(__file__).parent
 FUZZERS = ("calls", "resource")
+SAVED = HERE / "corpus"
+"""Sequences of calls that earlier runs kept; resource files of one version are of no use to the next."""
 FIRST_FUNCTION, RUN_UP, CONTINUE, AS_NEW, ROLL_BACK, IN_STEP, TO_IMAGE, DAMAGE, STEP = 16, 3, 4, 5, 6, 7, 8, 9, 10
 CLOSE, A_SMALL_NUMBER = 2, 35
 """Functions and deeds by their numbers in host.h and deeds.c."""
@@ -73,7 +74,7 @@ def write_scenes(folder: Path) -> Path:
     return target
 
 
-def seeds_of_resources(scenes: Path, folder: Path) -> Path:
+def _seeds_of_resources(scenes: Path, folder: Path) -> Path:
     """Every scene's file, whole, cut, too long, and with each word of its header changed."""
     folder.mkdir()
     for path in sorted(scenes.glob("*.bin")):
@@ -124,6 +125,10 @@ def _journeys(fmi: int, cosimulation: int, scene: int, reference: dict[str, int]
     for number in calls.values():
         call = _record(number, count=1, references=[reference["x_c"]], values=[reference["u_m1"]] * 3)
         yield [opened, *enter, call, _record(calls[f"fmi{fmi}ExitInitializationMode"]), _record(STEP)]
+    if fmi == 2:
+        name = "fmi2SetRealInputDerivatives"
+        orders = [_record(calls[name], count=1, references=[reference["u_m1"]], values=[k]) for k in range(11)]
+        yield [opened, *begin, *orders, _record(STEP)]
     if listens:
         yield [opened, *begin, _record(IN_STEP, flags=32 | 16, values=[ENDLESS]), _record(STEP)]
     for name, value in itertools.product(("u_m1", "M_1", "theta[1]", "omega[1]", "y_m1"), EXTREMES):
@@ -138,7 +143,7 @@ def _batches(journeys: Iterable[list[bytes]], size: int) -> Iterator[tuple[list[
         yield batch
 
 
-def seeds_of_calls(folder: Path, scenes: Path) -> Path:
+def _seeds_of_calls(folder: Path, scenes: Path) -> Path:
     """Journeys on every scene, one behind the other in files of a sensible size."""
     folder.mkdir()
     for fmi, cosimulation, scene in itertools.product((2, 3), (0, 1), range(len(list(scenes.iterdir())))):
@@ -150,15 +155,10 @@ def seeds_of_calls(folder: Path, scenes: Path) -> Path:
     return folder
 
 
-def seeds(scenes: Path, folder: Path) -> dict[str, Path]:
-    """Fuzzer -> folder of files to begin with, made of the scenes and tables as they are now."""
-    return {"calls": seeds_of_calls(folder / "seeds-calls", scenes),
-            "resource": seeds_of_resources(scenes, folder / "seeds-resource")}  # fmt: skip
-
-
-def saved(name: str) -> Path:
-    """The folder of files that earlier runs kept."""
-    return HERE / "corpus" / name
+def starts(scenes: Path, folder: Path) -> dict[str, list[Path]]:
+    """Fuzzer -> folders of files to begin with: made of the scenes and tables as they are now, and saved."""
+    return {"calls": [_seeds_of_calls(folder / "seeds-calls", scenes), SAVED],
+            "resource": [_seeds_of_resources(scenes, folder / "seeds-resource")]}  # fmt: skip
 
 
 def environment(scenes: Path) -> dict[str, str]:

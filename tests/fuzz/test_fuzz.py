@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.fuzz.building import COVERAGE, FUZZERS, compile_fuzzers, saved, seeds, write_scenes
+from tests.fuzz.building import COVERAGE, FUZZERS, SAVED, compile_fuzzers, starts, write_scenes
 from tests.fuzz.running import lines_covered, run
 from tests.kernel.library import toolchain
 from tests.robustness.building import copy_of_sources
@@ -41,8 +41,8 @@ def scenes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def start(scenes: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    return seeds(scenes, tmp_path_factory.mktemp("seeds"))
+def start(scenes: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Path]]:
+    return starts(scenes, tmp_path_factory.mktemp("seeds"))
 
 
 @pytest.fixture(scope="module")
@@ -53,32 +53,30 @@ def sanitized(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("name", FUZZERS)
-def test_a_while(name: str, sanitized: Path, scenes: Path, start: dict[str, Path], tmp_path: Path) -> None:
-    outcome = run(sanitized / name, scenes, tmp_path / "found", [start[name], saved(name)], seconds=SECONDS[name])
+def test_a_while(name: str, sanitized: Path, scenes: Path, start: dict[str, list[Path]], tmp_path: Path) -> None:
+    outcome = run(sanitized / name, scenes, tmp_path / "found", start[name], seconds=SECONDS[name])
     assert outcome.crashes == [], outcome.text
     assert outcome.executions > LEAST_EXECUTIONS
 
 
-def test_what_the_saved_files_cover(scenes: Path, start: dict[str, Path], tmp_path: Path) -> None:
+def test_what_the_saved_files_cover(scenes: Path, start: dict[str, list[Path]], tmp_path: Path) -> None:
     """Nine lines of ten in every file of the adapters."""
     compile_fuzzers(tmp_path, COVERAGE)
     files = sorted((toolchain().HERE / "fmi").glob("*.c"))
-    share = lines_covered({tmp_path / name: [start[name], saved(name)] for name in FUZZERS}, scenes, files)
+    share = lines_covered({tmp_path / name: start[name] for name in FUZZERS}, scenes, files)
     assert set(share) == {path.name for path in files}
     assert {name: part for name, part in share.items() if part < 90.0} == {}
 
 
 @pytest.mark.parametrize("title", PLANTED)
-def test_what_is_planted_is_found(title: str, scenes: Path, start: dict[str, Path], tmp_path: Path) -> None:
+def test_what_is_planted_is_found(title: str, scenes: Path, start: dict[str, list[Path]], tmp_path: Path) -> None:
     name, changes = PLANTED[title]
     copy_of_sources(tmp_path / "sources", changes)
     (tmp_path / "program").mkdir()
     compile_fuzzers(tmp_path / "program", sources=tmp_path / "sources")
-    outcome = run(
-        tmp_path / "program" / name, scenes, tmp_path / "found", [start[name], saved(name)], seconds=SECONDS[name]
-    )
+    outcome = run(tmp_path / "program" / name, scenes, tmp_path / "found", start[name], seconds=SECONDS[name])
     assert len(outcome.crashes) == 1, outcome.text
 
 
 def test_the_saved_files_are_small() -> None:
-    assert sum(path.stat().st_size for path in saved("calls").iterdir()) < 300_000
+    assert sum(path.stat().st_size for path in SAVED.iterdir()) < 300_000
