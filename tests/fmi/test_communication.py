@@ -63,6 +63,7 @@ def test_a_sine_by_its_derivatives(unpacked: Unpacked) -> None:
         return AMPLITUDE * PULSATION**order * math.sin(PULSATION * time + 0.5 * math.pi * order)
 
     right, step = truth(sine), 0.1
+    assert 'canInterpolateInputs="true"' in (unpacked("load", 2) / "modelDescription.xml").read_text()
     errors: list[float] = []
     for orders in range(9):
         with Raw(unpacked("load", 2), "cs") as raw:

@@ -71,6 +71,16 @@ def run(raw: Raw, stop: float, step: float) -> list[float]:
     return reached
 
 
+def test_the_description_promises_it(unpacked: Unpacked) -> None:
+    text = (unpacked("load", 3) / "modelDescription.xml").read_text()
+    (offered,) = (line for line in text.splitlines() if "<CoSimulation" in line)
+    for flag in ("providesIntermediateUpdate", "mightReturnEarlyFromDoStep", "canReturnEarlyAfterIntermediateUpdate"):
+        assert f'{flag}="true"' in offered
+    described = [line for line in text.splitlines() if 'intermediateUpdate="true"' in line]
+    assert all('causality="input"' in line or 'causality="output"' in line for line in described)
+    assert {"u_m1", "x_c", "tension_max"} <= {line.split('name="')[1].split('"')[0] for line in described}
+
+
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("listen", [("u_m1", "x_c"), ("x_c", "energy")])
 def test_updates_are_as_the_standard_says(solver: str, listen: tuple[str, ...], unpacked: Unpacked) -> None:

@@ -14,7 +14,7 @@ from cablefmu.scene import Scene
 from tests.fmu_helpers import SCENES, from_equilibrium, unpack
 from tests.kernel.library import toolchain
 
-__all__ = ["COVERAGE", "FUZZERS", "SANITIZED", "compile_fuzzers", "environment", "starts", "write_scenes"]  # fmt: skip
+__all__ = ["COVERAGE", "FUZZERS", "SANITIZED", "SAVED", "compile_fuzzers", "environment", "starts", "write_scenes"]
 
 HERE = Path(__file__).parent
 FUZZERS = ("calls", "resource")
