@@ -62,7 +62,7 @@ static void fill(Arguments *a, const Slot *slot, const Record *record, bool sets
     for (size_t k = 0; k < a->values && a->out; k++) a->out[k] = untouched();
     for (size_t k = 0; k < a->state_count && a->states; k++)
         a->states[k] = sets ? value_of(record->value[k % 3]) : untouched();
-    if (a->bytes && slot->image) memcpy(a->bytes, slot->image, fmin(a->byte_count, slot->image_size));
+    if (a->bytes && image.bytes) memcpy(a->bytes, image.bytes, fmin(a->byte_count, image.size));
 }
 
 void make_arguments(Arguments *a, const Slot *slot, const Record *record, bool sets)
@@ -73,7 +73,7 @@ void make_arguments(Arguments *a, const Slot *slot, const Record *record, bool s
     a->count = record->count & 3;
     a->values = a->count + (record->count >> 2 & 1);
     a->state_count = slot->scene->states + (record->count >> 3 & 1) - (record->count >> 4 & 1);
-    a->byte_count = slot->image_size + (record->count >> 5 & 1);
+    a->byte_count = image.size + (record->count >> 5 & 1);
     a->references = block(a->count, sizeof *a->references, nulls & 1);
     a->others = block(a->count, sizeof *a->others, nulls & 1);
     a->orders = block(a->count, sizeof *a->orders, nulls & 2);

@@ -27,6 +27,8 @@ EXTREMES, MILLI, ENDLESS = (13, 22, 30, 19), 6, 255
 """Codes of 1e300, 1.7e6, 1e200 and nan, and of 1e-3, in arguments.c; of no time to return at in host3.c."""
 ENTER = {2: ("fmi2SetupExperiment", "fmi2EnterInitializationMode"), 3: ("fmi3EnterInitializationMode",)}
 WRITE = {2: "fmi2SetReal", 3: "fmi3SetFloat64"}
+STATE = {2: ("fmi2GetFMUstate", "fmi2DeSerializeFMUstate", "fmi2SetFMUstate"),
+         3: ("fmi3GetFMUState", "fmi3DeserializeFMUState", "fmi3SetFMUState")}  # fmt: skip
 READ = {2: "fmi2GetReal", 3: "fmi3GetFloat64"}
 _SHARED = ("scenes.c", "arguments.c", "host2.c", "host3.c", "deeds.c")
 
@@ -125,6 +127,9 @@ def _journeys(fmi: int, cosimulation: int, scene: int, reference: dict[str, int]
     for number in calls.values():
         call = _record(number, count=1, references=[reference["x_c"]], values=[reference["u_m1"]] * 3)
         yield [opened, *enter, call, _record(calls[f"fmi{fmi}ExitInitializationMode"]), _record(STEP)]
+    get, load, put = (calls[name] for name in STATE[fmi])
+    other = [opened[:1] + bytes([1]) + opened[2:], _record(load, slot=1), _record(put, slot=1), _record(STEP, slot=1)]
+    yield [opened, *begin, _record(get), _record(TO_IMAGE), *other, _record(DAMAGE, values=[0, 99, 5]), *other[1:]]
     if fmi == 2:
         name = "fmi2SetRealInputDerivatives"
         orders = [_record(calls[name], count=1, references=[reference["u_m1"]], values=[k]) for k in range(11)]

@@ -9,6 +9,8 @@
 
 enum { OPEN_2, OPEN_3, CLOSE, RUN_UP, CONTINUE, AS_NEW, ROLL_BACK, IN_STEP, TO_IMAGE, DAMAGE, STEP };
 
+Image image;
+
 bool real_at(Slot *slot, uint32_t reference, double *value)
 {
     if (slot->fmi == 2) return fmi2GetReal(slot->component, &reference, 1, value) == fmi2OK;
@@ -50,7 +52,6 @@ void close_slot(Slot *slot)
     }
     if (slot->fmi == 2) fmi2FreeInstance(slot->component);
     if (slot->fmi == 3) fmi3FreeInstance(slot->component);
-    free(slot->image);
     memset(slot, 0, sizeof *slot);
 }
 
@@ -138,6 +139,7 @@ static void roll_back(Slot *slot)
         hash[k] = hash_of_values(slot, 0xcbf29ce484222325u);
         if (state_call(slot, true, &slot->state[0]) != 0)
             give_up("a state of its own was refused", slot->scene->location);
+        if (status[0] != 0) return; /* past the stop time, perhaps, which is none of the state */
     }
     if (status[0] != status[1] || hash[0] != hash[1])
         give_up("not the same step from the same state", slot->scene->location);
@@ -150,11 +152,11 @@ static void to_image(Slot *slot, int which)
     if (slot->fmi == 2 ? fmi2SerializedFMUstateSize(c, state, &size) != fmi2OK
                        : fmi3SerializedFMUStateSize(c, state, &size) != fmi3OK)
         return;
-    free(slot->image);
-    slot->image = malloc(size);
-    slot->image_size = size;
-    if (slot->fmi == 2 ? fmi2SerializeFMUstate(c, state, (fmi2Byte *)slot->image, size) != fmi2OK
-                       : fmi3SerializeFMUState(c, state, slot->image, size) != fmi3OK)
+    free(image.bytes);
+    image.bytes = malloc(size);
+    image.size = size;
+    if (slot->fmi == 2 ? fmi2SerializeFMUstate(c, state, (fmi2Byte *)image.bytes, size) != fmi2OK
+                       : fmi3SerializeFMUState(c, state, image.bytes, size) != fmi3OK)
         give_up("cannot be serialized", slot->scene->location);
 }
 
@@ -179,9 +181,8 @@ void deed(Slot *slot, const Record *record)
     case IN_STEP: slot->in_step = *record, slot->callbacks = 0; break;
     case TO_IMAGE: to_image(slot, record->flags >> 3 & 1); break;
     case DAMAGE:
-        if (slot->image_size)
-            slot->image[(size_t)(record->value[0] * 256 + record->value[1]) % slot->image_size] ^=
-                1u + record->value[2];
+        if (image.size)
+            image.bytes[(size_t)(record->value[0] * 256 + record->value[1]) % image.size] ^= 1u + record->value[2];
         break;
     case STEP: do_step(slot, now(slot), 0.05); break;
     default: break;

@@ -63,5 +63,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             checked_call(slot, &record);
     }
     for (int k = 0; k < SLOTS; k++) close_slot(&slots[k]);
+    free(image.bytes);
+    image = (Image){NULL, 0};
     return 0;
 }

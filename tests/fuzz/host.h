@@ -39,8 +39,6 @@ typedef struct {
     void *component;
     Scene *scene;
     void *state[STATES_KEPT];
-    uint8_t *image;
-    size_t image_size;
     Record in_step; /* what a call-back does */
     unsigned callbacks;
     unsigned long messages;
@@ -68,6 +66,13 @@ typedef struct {
 
 extern const Function FUNCTIONS2[], FUNCTIONS3[];
 extern const size_t FUNCTIONS2_COUNT, FUNCTIONS3_COUNT;
+
+/* A serialized state, perhaps damaged; of any instance, for any other. */
+typedef struct {
+    uint8_t *bytes;
+    size_t size;
+} Image;
+extern Image image;
 
 extern Scene scenes[];
 extern size_t scene_count;
