@@ -8,10 +8,11 @@ import subprocess
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from fmpy import read_model_description
+from fmpy import extract, read_model_description
 
+from cablefmu.fmu.archive import build_fmu
 from cablefmu.scene import Scene
-from tests.fmu_helpers import SCENES, from_equilibrium, unpack
+from tests.fmu_helpers import SCENES, from_equilibrium
 from tests.kernel.library import toolchain
 
 __all__ = ["COVERAGE", "FUZZERS", "SANITIZED", "SAVED", "compile_fuzzers", "environment", "starts", "write_scenes"]
@@ -70,8 +71,12 @@ def write_scenes(folder: Path) -> Path:
         for kind, text in SCENES.items()
         if kind != "load-volume"
     ]
-    for number, scene in enumerate([*scenes, from_equilibrium(scenes[1])]):
-        unpacked = unpack(scene, folder / f"scene-{number}", 3)
+    equilibrium = from_equilibrium(scenes[1])
+    every = [*((scene, False) for scene in [*scenes, equilibrium]), (scenes[1], True), (equilibrium, True)]
+    for number, (scene, arrays) in enumerate(every):
+        unpacked = folder / f"scene-{number}" / f"{scene.name}-3"
+        path = build_fmu(scene, folder / f"scene-{number}.fmu", fmi=3, arrays=arrays)
+        extract(str(path), unzipdir=str(unpacked))
         (target / f"{number}.bin").write_bytes((unpacked / "resources" / "cable.bin").read_bytes())
     return target
 
@@ -130,6 +135,13 @@ def _journeys(fmi: int, cosimulation: int, scene: int, reference: dict[str, int]
     get, load, put = (calls[name] for name in STATE[fmi])
     other = [opened[:1] + bytes([1]) + opened[2:], _record(load, slot=1), _record(put, slot=1), _record(STEP, slot=1)]
     yield [opened, *begin, _record(get), _record(TO_IMAGE), *other, _record(DAMAGE, values=[0, 99, 5]), *other[1:]]
+    if fmi == 3 and "n" in reference:
+        for count in (0, 1, 4, 5):  # to -1, 0, 3 and 4 links
+            size = _record(calls["fmi3SetUInt64"], count=1, references=[reference["n"]], values=[count])
+            enter, leave = (_record(calls[f"fmi3{way}ConfigurationMode"]) for way in ("Enter", "Exit"))
+            read = _record(calls["fmi3GetUInt64"], count=1, references=[reference["n"]])
+            yield [opened, enter, size, read, leave, *readings, *begin, *readings, _record(STEP), _record(AS_NEW)]
+            yield [opened, enter, size, leave, _record(get), *begin, _record(STEP), _record(put), _record(STEP)]
     if fmi == 2:
         name = "fmi2SetRealInputDerivatives"
         orders = [_record(calls[name], count=1, references=[reference["u_m1"]], values=[k]) for k in range(11)]
@@ -155,6 +167,7 @@ def _seeds_of_calls(folder: Path, scenes: Path) -> Path:
         (unpacked,) = (scenes.parent / f"scene-{scene}").glob("*-3/")
         description = read_model_description(str(unpacked), validate=False)
         reference = {variable.name: variable.valueReference for variable in description.modelVariables}
+        reference |= {f"{name}[1]": reference[name] for name in ("theta", "omega") if name in reference}
         for number, journeys in enumerate(_batches(_journeys(fmi, cosimulation, scene, reference), 8)):
             (folder / f"{fmi}-{cosimulation}-{scene}-{number}").write_bytes(b"".join(itertools.chain(*journeys)))
     return folder
