@@ -73,6 +73,7 @@ def write_scenes(folder: Path) -> Path:
     ]
     equilibrium = from_equilibrium(scenes[1])
     every = [*((scene, False) for scene in [*scenes, equilibrium]), (scenes[1], True), (equilibrium, True)]
+    every += [(scene, True) for scene in scenes[3:]]  # springs, a pin and a floater: they hang between two ends
     for number, (scene, arrays) in enumerate(every):
         unpacked = folder / f"scene-{number}" / f"{scene.name}-3"
         path = build_fmu(scene, folder / f"scene-{number}.fmu", fmi=3, arrays=arrays)
