@@ -24,8 +24,8 @@ SAVED = HERE / "corpus"
 FIRST_FUNCTION, RUN_UP, CONTINUE, AS_NEW, ROLL_BACK, IN_STEP, TO_IMAGE, DAMAGE, STEP = 16, 3, 4, 5, 6, 7, 8, 9, 10
 CLOSE, A_SMALL_NUMBER = 2, 35
 """Functions and deeds by their numbers in host.h and deeds.c."""
-EXTREMES, MILLI, ENDLESS = (13, 22, 30, 19), 6, 255
-"""Codes of 1e300, 1.7e6, 1e200 and nan, and of 1e-3, in arguments.c; of no time to return at in host3.c."""
+EXTREMES, MILLI, ENDLESS, A_TENTH, TEN, THOUSANDS = (13, 22, 30, 19), 6, 255, 3, 8, 11
+"""Codes of 1e300, 1.7e6, 1e200 and nan, of 1e-3, 0.1, 10, 1e5 in arguments.c; of no time to return at in host3.c."""
 ENTER = {2: ("fmi2SetupExperiment", "fmi2EnterInitializationMode"), 3: ("fmi3EnterInitializationMode",)}
 WRITE = {2: "fmi2SetReal", 3: "fmi3SetFloat64"}
 STATE = {2: ("fmi2GetFMUstate", "fmi2DeSerializeFMUstate", "fmi2SetFMUstate"),
@@ -142,6 +142,12 @@ def _journeys(fmi: int, cosimulation: int, scene: int, reference: dict[str, int]
             enter, leave = (_record(calls[f"fmi3{way}ConfigurationMode"]) for way in ("Enter", "Exit"))
             read = _record(calls["fmi3GetUInt64"], count=1, references=[reference["n"]])
             yield [opened, enter, size, read, leave, *readings, *begin, *readings, _record(STEP), _record(AS_NEW)]
+            for name, value in itertools.product(
+                ("L", "rho_cable", "g", "M_1"), (0, *EXTREMES, MILLI, A_TENTH, TEN, THOUSANDS)
+            ):
+                if name in reference:
+                    change = _record(calls["fmi3SetFloat64"], count=1, references=[reference[name]], values=[value])
+                    yield [opened, change, enter, size, leave, *readings[:2], *begin, *readings[:6]]
             yield [opened, enter, size, leave, _record(get), *begin, _record(STEP), _record(put), _record(STEP)]
     if fmi == 2:
         name = "fmi2SetRealInputDerivatives"
