@@ -149,15 +149,19 @@ static void add_seeds(const Instance *instance, Changes *changes, References ref
     }
 }
 
-static void take_results(const Instance *instance, Changes *changes, References references, double *result)
+static Status take_results(Instance *instance, Changes *changes, References references, double *result)
 {
     for (size_t k = 0; k < references.count; k++) {
         const Variable *variable = &instance->resource.variable[references.reference[k]];
         const Span span = instance_span(instance, variable);
         const double *place = place_of(changes, variable, span);
-        for (size_t i = 0; i < span.count; i++) result[i] = place ? place[i] : 0.0;
-        result += span.count;
+        for (size_t i = 0; i < span.count; i++) {
+            if (place && !isfinite(place[i]))
+                return refuse(instance, variable, "its derivative is beyond the range of numbers");
+            *result++ = place ? place[i] : 0.0;
+        }
     }
+    return STATUS_OK;
 }
 
 /* From the changes of states and inputs to those of derivatives and, where asked for, outputs. */
@@ -200,8 +204,7 @@ Status instance_directional(Instance *instance, References unknowns, References 
     Changes changes = no_changes(instance);
     add_seeds(instance, &changes, knowns, seed);
     if (!carry_forward(instance, &changes, has_output(instance, unknowns))) return STATUS_ERROR;
-    take_results(instance, &changes, unknowns, sensitivity);
-    return STATUS_OK;
+    return take_results(instance, &changes, unknowns, sensitivity);
 }
 
 Status instance_adjoint(Instance *instance, References unknowns, References knowns, const double *seed,
@@ -214,8 +217,7 @@ Status instance_adjoint(Instance *instance, References unknowns, References know
     add_seeds(instance, &changes, unknowns, seed);
     double *spare = instance->changes + 2 * model_states(&instance->model);
     if (!carry_back(instance, &changes, has_output(instance, unknowns), spare)) return STATUS_ERROR;
-    take_results(instance, &changes, knowns, sensitivity);
-    return STATUS_OK;
+    return take_results(instance, &changes, knowns, sensitivity);
 }
 
 Status instance_output_derivatives(Instance *instance, References outputs, const int32_t *orders, double *values)
@@ -231,6 +233,5 @@ Status instance_output_derivatives(Instance *instance, References outputs, const
     memcpy(changes.of_states, instance->derivative, (size_t)model_states(&instance->model) * sizeof(double));
     memcpy(changes.of_inputs, instance->u_derivative[0], sizeof changes.of_inputs);
     if (!carry_forward(instance, &changes, true)) return STATUS_ERROR;
-    take_results(instance, &changes, outputs, values);
-    return STATUS_OK;
+    return take_results(instance, &changes, outputs, values);
 }

@@ -11,18 +11,16 @@ fmi2Status fmi2_status(Status status)
 }
 
 /*
- * The host takes the message as a format, so its percent signs are doubled. The text must not come behind a
- * "%s": hosts whose call-backs take no variable arguments, as in Python, would show that alone.
+ * The host takes the message as a format, so its percent signs are doubled; and # as the start of a reference, likewise.
+ * The text must not come behind a "%s": hosts whose call-backs take no variable arguments, as in Python, would show that
+ * alone.
  */
 static void log_message(void *owner, Status status, const char *message)
 {
     const Component *component = owner;
     if (!component->logger) return;
-    char format[2 * sizeof(((Text *)NULL)->line)];
-    char *out = format;
-    for (; *message; *out++ = *message++)
-        if (*message == '%') *out++ = '%';
-    *out = '\0';
+    char format[TEXT_DOUBLED_BYTES];
+    text_doubled(message, "%#", format);
     component->logger(component->environment, component->name, fmi2_status(status), log_category(status), format);
 }
 

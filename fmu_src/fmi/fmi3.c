@@ -14,7 +14,9 @@ static void log_message(void *owner, Status status, const char *message)
 {
     const Component *component = owner;
     if (!component->log_message) return;
-    component->log_message(component->environment, fmi3_status(status), log_category(status), message);
+    char escaped[TEXT_DOUBLED_BYTES];
+    text_doubled(message, "#", escaped); /* a single one begins a reference to a variable */
+    component->log_message(component->environment, fmi3_status(status), log_category(status), escaped);
 }
 
 fmi3Status fmi3_refuse(fmi3Instance c, const char *message)

@@ -28,6 +28,14 @@ void text_add(Text *text, const char *string)
     text->line[text->used] = '\0';
 }
 
+void text_doubled(const char *string, const char *characters, char doubled[TEXT_DOUBLED_BYTES])
+{
+    char *out = doubled;
+    for (; *string; *out++ = *string++)
+        if (strchr(characters, *string)) *out++ = *string;
+    *out = '\0';
+}
+
 void text_integer(Text *text, uint64_t value)
 {
     char digits[21];

@@ -9,8 +9,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+enum { TEXT_BYTES = 512, TEXT_DOUBLED_BYTES = 2 * TEXT_BYTES };
+
 typedef struct {
-    char line[512];
+    char line[TEXT_BYTES];
     size_t used;
     bool full; /* something was cut; nothing is added any more */
 } Text;
@@ -18,6 +20,8 @@ typedef struct {
 void text_start(Text *text);
 void text_add(Text *text, const char *string); /* NULL counts as "" */
 void text_integer(Text *text, uint64_t value);
+/* The string with each of these characters twice, as hosts want those that mean something to them. */
+void text_doubled(const char *string, const char *characters, char doubled[TEXT_DOUBLED_BYTES]);
 void text_number(Text *text, double value); /* seven significant digits; nan, inf, -inf by name */
 
 #endif
