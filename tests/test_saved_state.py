@@ -123,6 +123,13 @@ def test_another_scene_or_an_edited_one_is_refused(saved: Path) -> None:
             simulate(scene, from_state=saved)
 
 
+def test_a_state_of_an_fmu_with_arrays_is_no_state_of_the_scene(tmp_path: Path) -> None:
+    archive = build_fmu(small_scene("load"), tmp_path / "arrays.fmu", arrays=True)
+    simulate(archive, stop_time=0.2, parameters={"n": 3}, save_state=tmp_path / "n.state")
+    with pytest.raises(StateError, match=r"n\.state: was saved of an FMU with arrays; that FMU is expected"):
+        simulate(small_scene("load"), from_state=tmp_path / "n.state", stop_time=0.4)
+
+
 def test_a_twin_has_no_state(tmp_path: Path) -> None:
     twin = build_twin(small_scene("load"), tmp_path / "twin.fmu")
     with pytest.raises(OptionError, match=r"twin\.fmu: this FMU cannot save its state; one from `cablefmu build` can"):

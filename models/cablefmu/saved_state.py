@@ -121,7 +121,7 @@ def check_saving(path: Path, interface: str) -> None:
 
 def check_saved(
     saved: SavedState, scene: Scene, fmi: int, interface: str, tolerance: float | None,
-    given: Collection[str], inputs: Collection[str],
+    given: Collection[str], inputs: Collection[str], *, arrays: bool,
 ) -> None:  # fmt: skip
     """Whether a run of this scene can go on from there.
 
@@ -135,6 +135,8 @@ def check_saved(
         Names of what the user set besides.
     inputs
         Those among all names that are inputs of the FMU.
+    arrays
+        Whether the FMU has arrays, and so its number of links as a parameter.
 
     Raises
     ------
@@ -149,6 +151,8 @@ def check_saved(
         raise StateError(f"{saved.source}: was saved of another scene than {scene.name}, or before it was edited")
     if saved.fmi != fmi:
         raise StateError(f"{saved.source}: was saved of an FMU of version {saved.fmi}; this one is of version {fmi}")
+    if "n" in saved.given and not arrays:
+        raise StateError(f"{saved.source}: was saved of an FMU with arrays; that FMU is expected in place of the scene")
     if tolerance is not None:
         raise OptionError(f"tolerance = {tolerance}: it is in the state ({saved.tolerance}); leave it out")
     for name in given:

@@ -132,7 +132,8 @@ def simulate(
     given = dict(parameters or {})
     if saved:
         inputs = [variable.name for variable in variables if variable.kind is Kind.INPUT]
-        check_saved(saved, scene, version, interface, tolerance, given, inputs)
+        arrays = archive is not None and archive.has_arrays
+        check_saved(saved, scene, version, interface, tolerance, given, inputs, arrays=arrays)
         step = saved.step if step is None else step
         tolerance, given = saved.tolerance, {**saved.given, **given}
     if archive is not None and archive.has_arrays:
