@@ -65,35 +65,43 @@ static double drift(const Instance *instance, double step)
     return 1e-9 * fmax(fmax(fabs(instance->time), step), 1e-3);
 }
 
-static Status check_step(Instance *instance, double communication_point, double step)
+/* "doStep at t = ...: WHAT VALUE s WHY"; written only where there is something to refuse, as it takes longer than a step. */
+static Status refuse_step(Instance *instance, const char *what, double value, const Text *why)
 {
     Text text;
     text_start(&text);
     text_add(&text, "doStep");
     text_at_time(&text, instance->time);
-    if (!(isfinite(step) && step > 0.0)) {
-        text_add(&text, ": communication step ");
-        text_number(&text, step);
-        text_add(&text, " s; a number above 0 is expected");
-        return instance_fail(instance, &text);
+    text_add(&text, what);
+    text_number(&text, value);
+    text_add(&text, " s");
+    text_add(&text, why->line);
+    return instance_fail(instance, &text);
+}
+
+static Status check_step(Instance *instance, double communication_point, double step)
+{
+    static const char STEP[] = ": communication step ", POINT[] = ": communication point ";
+    const double slack = drift(instance, step);
+    const bool is_long = isfinite(step) && step > 0.0;
+    const bool is_next = fabs(communication_point - instance->time) <= slack;
+    const bool is_within = !(communication_point + step - instance->stop_time > slack);
+    if (is_long && is_next && is_within) return STATUS_OK;
+
+    Text why;
+    text_start(&why);
+    if (!is_long) {
+        text_add(&why, "; a number above 0 is expected");
+        return refuse_step(instance, STEP, step, &why);
     }
-    const double off = fabs(communication_point - instance->time),
-                 past = communication_point + step - instance->stop_time;
-    if (!(off <= drift(instance, step))) {
-        text_add(&text, ": communication point ");
-        text_number(&text, communication_point);
-        text_add(&text, " s is not where the last step ended");
-        return instance_fail(instance, &text);
+    if (!is_next) {
+        text_add(&why, " is not where the last step ended");
+        return refuse_step(instance, POINT, communication_point, &why);
     }
-    if (past > drift(instance, step)) {
-        text_add(&text, ": communication step ");
-        text_number(&text, step);
-        text_add(&text, " s leads past the stop time, ");
-        text_number(&text, instance->stop_time);
-        text_add(&text, " s");
-        return instance_fail(instance, &text);
-    }
-    return STATUS_OK;
+    text_add(&why, " leads past the stop time, ");
+    text_number(&why, instance->stop_time);
+    text_add(&why, " s");
+    return refuse_step(instance, STEP, step, &why);
 }
 
 /* The linearised chain that the solver counts on, if derivatives were asked for since; nothing of it is counted. */
