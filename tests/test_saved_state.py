@@ -128,6 +128,12 @@ def test_a_state_of_an_fmu_with_arrays_is_no_state_of_the_scene(tmp_path: Path) 
     simulate(archive, stop_time=0.2, parameters={"n": 3}, save_state=tmp_path / "n.state")
     with pytest.raises(StateError, match=r"n\.state: was saved of an FMU with arrays; that FMU is expected"):
         simulate(small_scene("load"), from_state=tmp_path / "n.state", stop_time=0.4)
+    simulate(archive, stop_time=0.2, save_state=tmp_path / "as-it-was.state")  # n is not among what was set
+    with pytest.raises(StateError, match=r"as-it-was\.state: was saved of an FMU with arrays; that FMU is expected"):
+        simulate(small_scene("load"), fmi=3, from_state=tmp_path / "as-it-was.state", stop_time=0.4)
+    simulate(small_scene("load"), fmi=3, stop_time=0.2, save_state=tmp_path / "scalar.state")
+    with pytest.raises(StateError, match=r"scalar\.state: was saved of an FMU without arrays"):
+        simulate(archive, from_state=tmp_path / "scalar.state", stop_time=0.4)
 
 
 def test_a_twin_has_no_state(tmp_path: Path) -> None:

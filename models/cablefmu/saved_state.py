@@ -22,7 +22,7 @@ __all__ = ["SavedState", "check_saved", "check_saving", "hash_of", "read_state",
 _TITLE = b"cablefmu state 1\n"
 _CHECKSUM = 32
 _NOT_TOLD = ("image", "source")
-_KINDS = {"scene": str, "fmi": int, "time": float, "step": float, "tolerance": float, "given": dict}
+_KINDS = {"scene": str, "fmi": int, "arrays": bool, "time": float, "step": float, "tolerance": float, "given": dict}
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +32,8 @@ class SavedState:
     scene: str
     """SHA-256 of the scene file and of the files that it names."""
     fmi: int
+    arrays: bool
+    """Whether the FMU has arrays, and so its number of links as a parameter."""
     time: float
     """[s]"""
     step: float
@@ -151,8 +153,9 @@ def check_saved(
         raise StateError(f"{saved.source}: was saved of another scene than {scene.name}, or before it was edited")
     if saved.fmi != fmi:
         raise StateError(f"{saved.source}: was saved of an FMU of version {saved.fmi}; this one is of version {fmi}")
-    if "n" in saved.given and not arrays:
-        raise StateError(f"{saved.source}: was saved of an FMU with arrays; that FMU is expected in place of the scene")
+    if saved.arrays != arrays:
+        what = "with arrays; that FMU is expected in place of the scene" if saved.arrays else "without arrays"
+        raise StateError(f"{saved.source}: was saved of an FMU {what}")
     if tolerance is not None:
         raise OptionError(f"tolerance = {tolerance}: it is in the state ({saved.tolerance}); leave it out")
     for name in given:

@@ -323,8 +323,9 @@ def _run(
 def _save(driver: Driver, archive: Archive, settings: Settings) -> None:
     assert settings.save_state
     write_state(settings.save_state, SavedState(
-        scene=hash_of(archive.scene), fmi=archive.fmi, time=settings.times()[-1], step=settings.step,
-        tolerance=settings.tolerance, given=settings.given, image=driver.save(), source=str(settings.save_state),
+        scene=hash_of(archive.scene), fmi=archive.fmi, arrays=archive.has_arrays, time=settings.times()[-1],
+        step=settings.step, tolerance=settings.tolerance, given=settings.given, image=driver.save(),
+        source=str(settings.save_state),
     ))  # fmt: skip
 
 
