@@ -47,6 +47,7 @@ STRICT = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 # -ffp-contract=off and -fno-math-errno: the same bits on every platform (no fused multiply-add behind our back).
 _COMPILE = ["-O3", "-g0", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno"]
 RELEASE = ["-s", "-shared", *_COMPILE]
+_WITHOUT_START_UP_CODE = ["-nostdlib", "-nostartfiles", "-lucrtbase", "-lkernel32"]  # on Windows
 
 
 def kernel_sources() -> list[Path]:
@@ -139,7 +140,7 @@ def _compile_flags(platform: str) -> list[str]:
 
 def _link_flags(platform: str, name: str) -> list[str]:
     if platform.endswith("windows"):
-        return ["-s", "-shared", "-nostdlib", "-nostartfiles", "-lucrtbase", "-lkernel32"]
+        return ["-s", "-shared", *_WITHOUT_START_UP_CODE]
     if platform.endswith("darwin"):  # not stripped: that would take the signature off arm64 libraries
         return ["-shared", f"-Wl,-install_name,@rpath/{name}"]
     return ["-s", "-shared", "-lm"]
@@ -177,8 +178,7 @@ def build_program(output: Path, source: Path, platform: str) -> None:
     compiled = output.with_suffix(".o")
     _zig([*target, *STRICT, *_compile_flags(platform), *_headers(), "-c", str(source), "-o", str(compiled)])
     entry = ["-Wl,--subsystem,console", "-Wl,-e,mainCRTStartup"]
-    alone = [*entry, "-nostdlib", "-nostartfiles", "-lucrtbase", "-lkernel32"]
-    _zig([*target, "-s", str(compiled), "-o", str(output), *(alone if windows else [])])
+    _zig([*target, "-s", str(compiled), "-o", str(output), *([*entry, *_WITHOUT_START_UP_CODE] if windows else [])])
 
 
 def join_universal(libraries: dict[int, bytes]) -> bytes:

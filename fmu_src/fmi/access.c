@@ -55,8 +55,7 @@ static bool is_tension(uint32_t output)
     return output == Y_tension_top || output == Y_tension_end || output == Y_tension_max;
 }
 
-/* "NAME = VALUE at t = TIME s: what is expected"; without a value where none was given. */
-static Status refuse(Instance *instance, const Variable *variable, const Text *value, const char *expected)
+Status instance_refuse(Instance *instance, const Variable *variable, const Text *value, const char *expected)
 {
     Text text;
     text_start(&text);
@@ -76,7 +75,7 @@ static Status refuse_value(Instance *instance, const Variable *variable, double 
     Text number;
     text_start(&number);
     text_number(&number, value);
-    return refuse(instance, variable, &number, expected);
+    return instance_refuse(instance, variable, &number, expected);
 }
 
 /* Counters as the solver left them; the energy of the present state is no business of its own. */
@@ -109,7 +108,7 @@ static bool get_one(Instance *instance, const Variable *variable, Span span, dou
         *value = instance->statics[variable->index];
         return true;
     case VARIABLE_SOLVER_CHOICE:
-    case VARIABLE_LINKS: return refuse(instance, variable, NULL, type_of(variable)) == STATUS_OK;
+    case VARIABLE_LINKS: return instance_refuse(instance, variable, NULL, type_of(variable)) == STATUS_OK;
     case VARIABLE_WHOLE: *value = instance->whole[variable->index]; return true;
     case VARIABLE_SOLVER: return get_health(instance, variable->index, value);
     case VARIABLE_DERIVATIVE:
@@ -230,25 +229,18 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
     return STATUS_OK;
 }
 
-static const Variable *lookup_choice(Instance *instance, uint32_t reference, const Text *value)
+/* The variable of a reference that is read and set as this kind is; NULL after a message. */
+static const Variable *lookup(Instance *instance, uint32_t reference, VariableKind kind, const Text *value)
 {
     const Variable *variable = instance_variable(instance, reference);
-    if (!variable || variable->kind == VARIABLE_SOLVER_CHOICE) return variable;
-    refuse(instance, variable, value, type_of(variable));
-    return NULL;
-}
-
-static const Variable *lookup_links(Instance *instance, uint32_t reference, const Text *value)
-{
-    const Variable *variable = instance_variable(instance, reference);
-    if (!variable || variable->kind == VARIABLE_LINKS) return variable;
-    refuse(instance, variable, value, type_of(variable));
+    if (!variable || variable->kind == (uint32_t)kind) return variable;
+    instance_refuse(instance, variable, value, type_of(variable));
     return NULL;
 }
 
 Status instance_get_links(Instance *instance, uint32_t reference, uint64_t *value)
 {
-    if (!lookup_links(instance, reference, NULL)) return STATUS_ERROR;
+    if (!lookup(instance, reference, VARIABLE_LINKS, NULL)) return STATUS_ERROR;
     *value = (uint64_t)instance->model.n;
     return STATUS_OK;
 }
@@ -258,18 +250,19 @@ Status instance_check_links(Instance *instance, uint32_t reference, uint64_t val
     Text number;
     text_start(&number);
     text_integer(&number, value);
-    const Variable *variable = lookup_links(instance, reference, &number);
+    const Variable *variable = lookup(instance, reference, VARIABLE_LINKS, &number);
     if (!variable) return STATUS_ERROR;
     if (instance->mode != MODE_CONFIGURATION)
-        return refuse(instance, variable, &number, "it is set in configuration mode (fmi3EnterConfigurationMode)");
+        return instance_refuse(instance, variable, &number,
+                               "it is set in configuration mode (fmi3EnterConfigurationMode)");
     if (value < 1 || value > MOST_LINKS)
-        return refuse(instance, variable, &number, "a number of links from 1 to 10000 is expected");
+        return instance_refuse(instance, variable, &number, "a number of links from 1 to 10000 is expected");
     return STATUS_OK;
 }
 
 Status instance_get_choice(Instance *instance, uint32_t reference, int64_t *value)
 {
-    if (!lookup_choice(instance, reference, NULL)) return STATUS_ERROR;
+    if (!lookup(instance, reference, VARIABLE_SOLVER_CHOICE, NULL)) return STATUS_ERROR;
     *value = (int64_t)instance->solver.choice + FIRST_CHOICE;
     return STATUS_OK;
 }
@@ -280,11 +273,11 @@ Status instance_check_choice(Instance *instance, uint32_t reference, int64_t val
     text_start(&number);
     if (value < 0) text_add(&number, "-");
     text_integer(&number, value < 0 ? 0u - (uint64_t)value : (uint64_t)value);
-    const Variable *variable = lookup_choice(instance, reference, &number);
+    const Variable *variable = lookup(instance, reference, VARIABLE_SOLVER_CHOICE, &number);
     if (!variable) return STATUS_ERROR;
-    if (!(instance->mode & MODE_SETUP)) return refuse(instance, variable, &number, TOO_LATE);
+    if (!(instance->mode & MODE_SETUP)) return instance_refuse(instance, variable, &number, TOO_LATE);
     if (value < FIRST_CHOICE || value >= FIRST_CHOICE + SOLVER_CHOICES)
-        return refuse(instance, variable, &number, "1 (automatic), 2 (explicit) or 3 (implicit) is expected");
+        return instance_refuse(instance, variable, &number, "1 (automatic), 2 (explicit) or 3 (implicit) is expected");
     return STATUS_OK;
 }
 
@@ -319,7 +312,8 @@ Status instance_check_intermediate(Instance *instance, const uint32_t *reference
         const Variable *variable = instance_variable(instance, references[k]);
         if (!variable) return STATUS_ERROR;
         if (variable->kind != VARIABLE_INPUT && variable->kind != VARIABLE_OUTPUT)
-            return refuse(instance, variable, NULL, "it is not set or read inside a step (intermediateUpdate = false)");
+            return instance_refuse(instance, variable, NULL,
+                                   "it is not set or read inside a step (intermediateUpdate = false)");
         *any_input |= variable->kind == VARIABLE_INPUT;
     }
     return STATUS_OK;

@@ -49,17 +49,6 @@ static bool take_equilibrium(Instance *instance)
            refuse_singular(instance) == STATUS_OK;
 }
 
-static Status refuse(Instance *instance, const Variable *variable, const char *why)
-{
-    Text text;
-    text_start(&text);
-    text_variable(&text, instance, variable);
-    text_at_time(&text, instance->time);
-    text_add(&text, ": ");
-    text_add(&text, why);
-    return instance_fail(instance, &text);
-}
-
 static bool check_knowns(Instance *instance, References knowns)
 {
     for (size_t k = 0; k < knowns.count; k++) {
@@ -67,7 +56,7 @@ static bool check_knowns(Instance *instance, References knowns)
         if (!variable) return false;
         if (variable->kind == VARIABLE_STATE || variable->kind == VARIABLE_INPUT || variable->kind == VARIABLE_TIME)
             continue;
-        refuse(instance, variable, "derivatives are by states, inputs and time; this is none of them");
+        instance_refuse(instance, variable, NULL, "derivatives are by states, inputs and time; this is none of them");
         return false;
     }
     return true;
@@ -84,7 +73,9 @@ static bool check_unknowns(Instance *instance, References unknowns)
         case VARIABLE_OUTPUT:
         case VARIABLE_SOLVER:
         case VARIABLE_STATICS: continue;
-        default: refuse(instance, variable, "derivatives are of state derivatives and outputs; this is none of them");
+        default:
+            instance_refuse(instance, variable, NULL,
+                            "derivatives are of state derivatives and outputs; this is none of them");
         }
         return false;
     }
@@ -97,24 +88,25 @@ static bool check_seeds(Instance *instance, References references, const double 
         const Variable *variable = &instance->resource.variable[references.reference[k]];
         for (size_t left = instance_span(instance, variable).count; left > 0; left--) {
             if (isfinite(*seed++)) continue;
-            refuse(instance, variable, "its seed must be a finite number");
+            instance_refuse(instance, variable, NULL, "its seed must be a finite number");
             return false;
         }
     }
     return true;
 }
 
-/* What states and inputs, or derivatives and outputs, change by or weigh; `of_states` and `of_derivatives` are scratch of
- * the instance. The health of the solver and of the search follow nothing. */
+/* What states and inputs, or derivatives and outputs, change by or weigh; the arrays are scratch of the instance. The health of the solver and of the search follow nothing. */
 typedef struct {
-    double *of_states, *of_derivatives;
+    double *of_states, *of_derivatives, *spare;
     double of_inputs[INPUT_COUNT], of_outputs[OUTPUT_COUNT];
 } Changes;
 
 static Changes no_changes(const Instance *instance)
 {
     const size_t states = (size_t)model_states(&instance->model);
-    Changes changes = {.of_states = instance->changes, .of_derivatives = instance->changes + states};
+    Changes changes = {.of_states = instance->changes,
+                       .of_derivatives = instance->changes + states,
+                       .spare = instance->changes + 2 * states};
     memset(instance->changes, 0, 2 * states * sizeof *instance->changes);
     return changes;
 }
@@ -157,7 +149,7 @@ static Status take_results(Instance *instance, Changes *changes, References refe
         const double *place = place_of(changes, variable, span);
         for (size_t i = 0; i < span.count; i++) {
             if (place && !isfinite(place[i]))
-                return refuse(instance, variable, "its derivative is beyond the range of numbers");
+                return instance_refuse(instance, variable, NULL, "its derivative is beyond the range of numbers");
             *result++ = place ? place[i] : 0.0;
         }
     }
@@ -181,17 +173,17 @@ static bool carry_forward(Instance *instance, Changes *changes, bool with_output
 }
 
 /* From the weights of states, derivatives and outputs to those of states and inputs. */
-static bool carry_back(Instance *instance, Changes *changes, bool with_outputs, double *of_states_too)
+static bool carry_back(Instance *instance, Changes *changes, bool with_outputs)
 {
     const size_t half = (size_t)instance->model.n + 1, states = 2 * half;
     if (!refresh_linear(instance)) return false;
-    memcpy(of_states_too, changes->of_states, states * sizeof *of_states_too);
+    memcpy(changes->spare, changes->of_states, states * sizeof *changes->spare);
     adjoint_derivatives(&instance->model, instance->x, &instance->linear, changes->of_derivatives,
                         with_outputs ? changes->of_outputs : NULL, changes->of_states, changes->of_inputs);
-    for (size_t k = 0; k < states; k++) changes->of_states[k] += of_states_too[k];
+    for (size_t k = 0; k < states; k++) changes->of_states[k] += changes->spare[k];
     if (!starts_at_equilibrium(instance)) return true;
     if (!take_equilibrium(instance)) return false;
-    equilibrium_adjoint(&instance->model, &instance->linear, changes->of_states, of_states_too, changes->of_inputs);
+    equilibrium_adjoint(&instance->model, &instance->linear, changes->of_states, changes->spare, changes->of_inputs);
     memset(changes->of_states, 0, states * sizeof *changes->of_states);
     return true;
 }
@@ -215,8 +207,7 @@ Status instance_adjoint(Instance *instance, References unknowns, References know
         return STATUS_ERROR;
     Changes changes = no_changes(instance);
     add_seeds(instance, &changes, unknowns, seed);
-    double *spare = instance->changes + 2 * model_states(&instance->model);
-    if (!carry_back(instance, &changes, has_output(instance, unknowns), spare)) return STATUS_ERROR;
+    if (!carry_back(instance, &changes, has_output(instance, unknowns))) return STATUS_ERROR;
     return take_results(instance, &changes, knowns, sensitivity);
 }
 
@@ -225,8 +216,10 @@ Status instance_output_derivatives(Instance *instance, References outputs, const
     if (!check_unknowns(instance, outputs)) return STATUS_ERROR;
     for (size_t k = 0; k < outputs.count; k++) {
         const Variable *variable = &instance->resource.variable[outputs.reference[k]];
-        if (variable->kind == VARIABLE_DERIVATIVE) return refuse(instance, variable, "it is not an output");
-        if (orders[k] != 1) return refuse(instance, variable, "its derivative of order 1 is known, no other");
+        if (variable->kind == VARIABLE_DERIVATIVE)
+            return instance_refuse(instance, variable, NULL, "it is not an output");
+        if (orders[k] != 1)
+            return instance_refuse(instance, variable, NULL, "its derivative of order 1 is known, no other");
     }
     if (!refresh_derivatives(instance)) return STATUS_ERROR;
     Changes changes = no_changes(instance);

@@ -142,6 +142,8 @@ void invalidate_model(Instance *instance);
 
 /* The variable of a reference; NULL after a message. */
 const Variable *instance_variable(Instance *instance, uint32_t reference);
+/* "NAME = VALUE at t = TIME s: what is expected"; without a value where none was given. */
+Status instance_refuse(Instance *instance, const Variable *variable, const Text *value, const char *expected);
 void text_variable(Text *text, const Instance *instance, const Variable *variable);
 
 /* Name of state k for messages: y_m1, theta[1], ..., v_m1, omega[1], ... */

@@ -143,7 +143,7 @@ static void energy_to_states(const Model *model, const double *x, Linear *linear
         const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, l = length[i];
         const double own_x = weight * mass[i] * linear->known_vx[i], own_y = weight * mass[i] * linear->known_vy[i];
         const double at_x = vx + 0.5 * own_x, at_y = vy + 0.5 * own_y, own_f = -weight * model->weight[i];
-        const double inertia = model->link[LINK_INERTIA][i] + (i == n - 1 ? model->end_inertia : 0.0);
+        const double inertia = link_inertia(model, i);
         const double bent = weight * model->stiffness[i] * (x[i + 1] - (i ? x[i] : 0.0));
         q[i + 1] += l * (nx * fx + ny * (fy + 0.5 * own_f) - rate[i] * (ex * at_x + ey * at_y)) + bent;
         v[i + 1] += l * (nx * at_x + ny * at_y) + weight * inertia * rate[i];

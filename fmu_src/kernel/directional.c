@@ -61,7 +61,7 @@ static double energy_change(const Model *model, const double *x, const Linear *l
     for (int i = 0; i < n; i++) {
         const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, l = length[i];
         const double rate = v[i + 1], dt = dq[i + 1], spin = rate * dt;
-        const double inertia = model->link[LINK_INERTIA][i] + (i == n - 1 ? model->end_inertia : 0.0);
+        const double inertia = link_inertia(model, i);
         const double step_x = l * rate * nx, step_y = l * rate * ny;
         const double d_step_x = l * (nx * dv[i + 1] - ex * spin), d_step_y = l * (ny * dv[i + 1] - ey * spin);
         const double above = i ? x[i] : 0.0, d_above = i ? dq[i] : 0.0;

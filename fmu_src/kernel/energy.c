@@ -26,7 +26,7 @@ double cable_energy(const Model *model, const double *x, const Work *work)
         const double l = length[i], swing = 0.5 * l * rate[i];
         const double step_x = swing * work->cosine[i], step_y = -swing * work->sine[i];
         const double cx = vx + step_x, cy = vy + step_y;
-        const double inertia = model->link[LINK_INERTIA][i] + (i == n - 1 ? model->end_inertia : 0.0);
+        const double inertia = link_inertia(model, i);
         energy += 0.5 * mass[i] * (cx * cx + cy * cy) + 0.5 * inertia * rate[i] * rate[i] -
                   model->weight[i] * (y + 0.5 * l * work->cosine[i]);
         y += l * work->cosine[i];

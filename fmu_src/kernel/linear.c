@@ -50,12 +50,6 @@ void linear_layout(Linear *linear, int n, double *block)
     for (size_t k = 0; k < sizeof array / sizeof *array; k++) *array[k] = block + k * ((size_t)n + SPARE);
 }
 
-/* I_R of a link, the terminal's on the last. */
-static double inertia_of(const Model *model, int i)
-{
-    return model->link[LINK_INERTIA][i] + (i == model->n - 1 ? model->end_inertia : 0.0);
-}
-
 /* R down the cable as in tension.c, and e.(R_i + R_{i+1}). */
 static void take_forces(const Model *model, const Work *work, const double *turn, Linear *linear)
 {
@@ -190,7 +184,7 @@ static inline double eliminate(const Model *model, Linear *linear, int i, int co
     const double beta_x = 0.5 * m * phi[0] + across * nx + drag * w.q * ex;
     const double beta_y = 0.5 * m * phi[1] + across * ny + drag * w.q * ey;
     const double lift_x = xx + beta_x, lift_y = xy + beta_y;
-    const double mass_part = w.a * inertia_of(model, i) + 0.5 * l * (nx * (xx + lift_x) + ny * (xy + lift_y));
+    const double mass_part = w.a * link_inertia(model, i) + 0.5 * l * (nx * (xx + lift_x) + ny * (xy + lift_y));
     const double pull_part = -0.5 * l * w.q * linear->pull[i], bend_part = bend - turned;
     const double pivot = mass_part + pull_part + bend_part;
     if (!(fabs(pivot) > 1e-14 * (fabs(mass_part) + fabs(pull_part) + fabs(bend) + fabs(turned)))) return 0.0;
@@ -407,7 +401,8 @@ static void carry_up(const Model *model, Linear *linear, const double *dq, const
         }
         const double torque = model->stiffness[i] * (q - q_above) + model->damping[i] * (v - v_above);
         if (force)
-            force[i + 1] = inertia_of(model, i) * a + 0.5 * l * (nx * (2.0 * rx + step_x) + ny * (2.0 * ry + step_y)) -
+            force[i + 1] = link_inertia(model, i) * a +
+                           0.5 * l * (nx * (2.0 * rx + step_x) + ny * (2.0 * ry + step_y)) -
                            0.5 * l * linear->pull[i] * q + (torque - torque_below);
         rx += step_x, ry += step_y;
         linear->react_x[i] = rx, linear->react_y[i] = ry;

@@ -84,7 +84,7 @@ static void prepare_inertia(Model *model)
     model->end_inertia = model->parameter[P_I_Rc];
     for (int i = 0; i < model->n; i++) {
         const double length = model->link[LINK_LENGTH][i], mass = model->link[LINK_MASS][i], half = length / 2.0;
-        const double inertia = model->link[LINK_INERTIA][i] + (i == model->n - 1 ? model->end_inertia : 0.0);
+        const double inertia = link_inertia(model, i);
         const double rotary = inertia + mass * half * half;
         model->reach[i] = length * length / rotary;
         model->swing[i] = mass * inertia / rotary;

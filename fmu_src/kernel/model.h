@@ -145,6 +145,12 @@ static inline bool model_has(const Model *model, Parameter parameter)
     return (model->present >> parameter) & 1u;
 }
 
+/* I_R of link i (0 ...), the terminal's on the last [kg m^2]. */
+static inline double link_inertia(const Model *model, int i)
+{
+    return model->link[LINK_INERTIA][i] + (i == model->n - 1 ? model->end_inertia : 0.0);
+}
+
 /* Number of states, 2 (n + 1). */
 static inline int model_states(const Model *model)
 {

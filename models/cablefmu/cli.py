@@ -87,8 +87,10 @@ def build(
     if twin and platforms is not None:
         raise OptionError("platforms: a twin is Python and runs on all of them; leave --platforms out, or --twin")
     loaded = load_scene(scene)
-    built = build_fmu(loaded, output, fmi=fmi, arrays=arrays, platforms=platforms) if not twin else None
-    print(built or build_twin(loaded, output))
+    if twin:
+        print(build_twin(loaded, output))
+    else:
+        print(build_fmu(loaded, output, fmi=fmi, arrays=arrays, platforms=platforms))
 
 
 @app.command

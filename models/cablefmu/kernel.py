@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
-from importlib.resources import as_file, files
+from importlib.resources import as_file
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 
 from .cable import Cable, Drag, Floats, Terminal
 from .errors import OptionError, RunError
-from .fmu.platforms import PLATFORMS, library_name, this_platform
+from .fmu.platforms import PLATFORMS, this_platform
+from .fmu.platforms import library as library_of
 from .fmu.table import table
 
 __all__ = ["BINDINGS", "KernelModel", "Rest", "Search", "Solution", "StaticsStatus", "library"]
@@ -94,9 +95,7 @@ def library() -> ctypes.CDLL:
         Where the package has none for this machine.
     """
     machine = this_platform()
-    source = (
-        files("cablefmu") / "binaries" / machine / library_name("kernel", machine) if machine in PLATFORMS else None
-    )
+    source = library_of("kernel", machine) if machine in PLATFORMS else None
     if source is None or not source.is_file():
         raise RunError(f"this installation has no compiled kernel for {machine}; statics and modes need it")
     with as_file(source) as path:

@@ -22,6 +22,7 @@ from fmpy.fmi3 import FMU3Slave
 
 import cablefmu
 from cablefmu.scene import Scene
+from tests.benchmarks.stiff import TABLE_6_1, Case
 from tests.kernel.library import toolchain
 
 __all__ = ["empty_fmu", "from_c", "rows", "through_fmpy"]
@@ -31,38 +32,10 @@ STEPS, ROUNDS = 1_000, 100
 STEP = 1e-5
 """Communication step [s]: one step of the solver in each."""
 
-_SCENE = """
-format = 1
-description = "A cable with a load"
-[cable]
-links = {links}
-length = 240.0
-diameter = 0.02
-density = 7850.0
-young_modulus = 8e10
-joint_damping = 2.8
-[water]
-Cd = 1.2
-[top]
-kind = "floater"
-mass = 6000.0
-stiffness = 1200.0
-damping = 237.6
-[terminal]
-kind = "load"
-mass = 60.0
-volume = 1e-9
-[shape]
-kind = "straight"
-angle = 0.3
-[run]
-stop_time = 1.0
-"""
-
 
 def scene(links: int) -> Scene:
     """A cable of so many links that moves from the start."""
-    return Scene.from_text(_SCENE.format(links=links), name="overhead")
+    return Case("Table 6.1, from 0.3 rad", links, TABLE_6_1, 0.3, {}).scene
 
 
 def best(call: Callable[[], object], rounds: int) -> float:

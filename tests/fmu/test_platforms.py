@@ -15,7 +15,7 @@ import pytest
 
 from cablefmu.errors import OptionError
 from cablefmu.fmu.archive import build_fmu
-from cablefmu.fmu.platforms import PLATFORMS, binaries, for_this_machine, library_name, this_platform
+from cablefmu.fmu.platforms import PLATFORMS, binaries, for_this_machine, library, this_platform
 from tests.fmu_helpers import small_scene
 from tests.kernel.library import toolchain
 
@@ -37,7 +37,7 @@ NEWEST_GLIBC = (2, 17)
 
 
 def path_of(platform: str) -> Path:
-    return Path(str(files("cablefmu"))) / "binaries" / platform / library_name("cable", platform)
+    return Path(str(library("cable", platform)))
 
 
 def api() -> set[str]:
@@ -71,9 +71,9 @@ def wanted(platform: str) -> set[str]:
         return {str(name) for name in elf.libraries}
     if platform.endswith("windows"):
         pe = lief.PE.parse(path)
-        return {str(library.name) for library in pe.imports}
+        return {str(wanted.name) for wanted in pe.imports}
     macho = lief.MachO.parse(path)
-    return {str(library.name) for library in macho.at(0).libraries}
+    return {str(wanted.name) for wanted in macho.at(0).libraries}
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

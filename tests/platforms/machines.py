@@ -8,7 +8,6 @@ import struct
 import subprocess
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from fmpy import extract, read_model_description
 
 from cablefmu.cable import Floats
 from cablefmu.fmu.archive import build_fmu
+from cablefmu.fmu.platforms import library
 from cablefmu.scene import Scene
 from tests.kernel.library import ROOT, toolchain
 
@@ -38,7 +38,7 @@ class Machine:
     @property
     def library(self) -> Path:
         """The FMU's library, as the package carries it."""
-        return Path(str(files("cablefmu"))) / "binaries" / self.platform / toolchain().TARGETS[self.platform][1]
+        return Path(str(library("cable", self.platform)))
 
     def host(self, folder: Path) -> Path:
         """The host, compiled into `folder`."""

@@ -5,10 +5,12 @@ from __future__ import annotations
 import platform
 import sys
 from collections.abc import Iterable
+from importlib.resources import files
+from importlib.resources.abc import Traversable
 
 from ..errors import OptionError
 
-__all__ = ["PLATFORMS", "binaries", "for_this_machine", "library_name", "this_platform"]
+__all__ = ["PLATFORMS", "binaries", "for_this_machine", "library", "this_platform"]
 
 PLATFORMS = ("x86_64-linux", "aarch64-linux", "x86_64-windows", "x86_64-darwin", "aarch64-darwin")
 """Platform tuples of FMI 3, which FMI 2.0.4 takes for what has no name of its own."""
@@ -32,8 +34,13 @@ def for_this_machine() -> tuple[str, ...] | None:
 
 
 def library_name(stem: str, on: str) -> str:
-    """File name of a library on that platform."""
-    return stem + _SUFFIX[on.partition("-")[2]]
+    """Of a library of the package for that platform, below its folder of binaries."""
+    return f"{on}/{stem}{_SUFFIX[on.partition('-')[2]]}"
+
+
+def library(stem: str, on: str) -> Traversable:
+    """That library, "cable" of an FMU or "kernel" of the package itself."""
+    return files("cablefmu") / "binaries" / library_name(stem, on)
 
 
 def binaries(fmi: int, platforms: Iterable[str] | None = None) -> dict[str, str]:
@@ -57,8 +64,6 @@ def binaries(fmi: int, platforms: Iterable[str] | None = None) -> dict[str, str]
         given = ", ".join(unknown) or "none"
         raise OptionError(f"platforms = {given}: one or more of {', '.join(PLATFORMS)} are expected")
     if fmi == 3:
-        return {name: f"{name}/{library_name('cable', name)}" for name in chosen}
-    found = {
-        _FMI_2_NAMES.get(name, name): f"{name}/{library_name('cable', name)}" for name in chosen if name not in _DARWIN
-    }
+        return {name: library_name("cable", name) for name in chosen}
+    found = {_FMI_2_NAMES.get(name, name): library_name("cable", name) for name in chosen if name not in _DARWIN}
     return found | ({"darwin64": "universal-darwin/cable.dylib"} if _DARWIN.intersection(chosen) else {})
