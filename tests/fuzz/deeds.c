@@ -36,6 +36,20 @@ int run_up(Slot *slot, double tolerance)
     return (int)fmi3ExitInitializationMode(c);
 }
 
+void shorten(Slot *slot)
+{
+    enum { FEW_LINKS = 16 };
+    void *c = slot->component;
+    if (slot->fmi != 3 || fmi3EnterConfigurationMode(c) != fmi3OK) return;
+    for (uint32_t reference = 0; reference < slot->scene->variables; reference++) {
+        uint64_t links = 0;
+        if (fmi3GetUInt64(c, &reference, 1, &links, 1) != fmi3OK || links <= FEW_LINKS) continue;
+        links = FEW_LINKS;
+        if (fmi3SetUInt64(c, &reference, 1, &links, 1) != fmi3OK) give_up("n cannot be set", slot->scene->location);
+    }
+    if (fmi3ExitConfigurationMode(c) != fmi3OK) give_up("no end of configuration mode", slot->scene->location);
+}
+
 int do_step(Slot *slot, double point, double step)
 {
     bool word;

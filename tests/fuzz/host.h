@@ -94,6 +94,7 @@ void open2(Slot *slot, const Record *record);
 void open3(Slot *slot, const Record *record);
 void close_slot(Slot *slot);
 bool real_at(Slot *slot, uint32_t reference, double *value);
+void shorten(Slot *slot);                 /* of an FMU with arrays, to few links */
 int run_up(Slot *slot, double tolerance); /* to the end of initialization, from reset */
 int do_step(Slot *slot, double point, double step);
 void note_message(Slot *slot, int status, const char *category, const char *message);
