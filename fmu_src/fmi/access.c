@@ -41,7 +41,8 @@ Span instance_span(const Instance *instance, const Variable *variable)
     if (!instance->link || (variable->kind != VARIABLE_STATE && variable->kind != VARIABLE_DERIVATIVE))
         return (Span){index, 1};
     const size_t n = (size_t)instance->model.n;
-    const Span span[ARRAY_COUNT] = {{0, 1}, {1, n}, {n + 1, 1}, {n + 2, n}};
+    const size_t half = (size_t)model_coordinates(&instance->model);
+    const Span span[ARRAY_COUNT] = {{0, 1}, {1, n}, {half, 1}, {half + 1, n}, {n + 1, 1}, {half + n + 1, 1}};
     return span[index];
 }
 
@@ -50,9 +51,10 @@ double *instance_start(Instance *instance)
     return instance->guess ? instance->guess : instance->x;
 }
 
-static bool is_tension(uint32_t output)
+/* Pulls and forces follow accelerations. */
+static bool is_force(uint32_t output)
 {
-    return output == Y_tension_top || output == Y_tension_end || output == Y_tension_max;
+    return (output >= Y_tension_top && output <= Y_tension_max) || output >= Y_F_1x;
 }
 
 Status instance_refuse(Instance *instance, const Variable *variable, const Text *value, const char *expected)
@@ -116,7 +118,7 @@ static bool get_one(Instance *instance, const Variable *variable, Span span, dou
         memcpy(value, instance->derivative + span.first, span.count * sizeof *value);
         return true;
     default:
-        if (!refresh_outputs(instance, is_tension(variable->index))) return false;
+        if (!refresh_outputs(instance, is_force(variable->index))) return false;
         *value = instance->output[variable->index];
         return true;
     }
@@ -157,7 +159,7 @@ static bool is_settable(const Instance *instance, const Variable *variable)
     case VARIABLE_INPUT:
     case VARIABLE_WHOLE: return true;
     case VARIABLE_STATE:
-        return !instance->link || variable->index == ARRAY_HEAVE || variable->index == ARRAY_HEAVE_RATE ||
+        return !instance->link || (variable->index != ARRAY_ANGLES && variable->index != ARRAY_RATES) ||
                !(instance->mode & MODE_SETUP);
     default: return false;
     }
@@ -295,6 +297,7 @@ Status instance_set_input_derivative(Instance *instance, uint32_t reference, int
         return refuse_value(instance, variable, value, "its derivatives of order 1 to 8 are taken");
     if (!isfinite(value)) return refuse_value(instance, variable, value, "its derivative must be a finite number");
     instance->u_derivative[order - 1][variable->index] = value;
+    instance->u_given |= 1u << variable->index;
     if (order > instance->u_orders) instance->u_orders = order;
     return STATUS_OK;
 }
@@ -303,6 +306,7 @@ void forget_input_derivatives(Instance *instance)
 {
     memset(instance->u_derivative, 0, (size_t)instance->u_orders * sizeof *instance->u_derivative);
     instance->u_orders = 0;
+    instance->u_given = 0;
 }
 
 Status instance_check_intermediate(Instance *instance, const uint32_t *references, size_t count, bool *any_input)
@@ -319,19 +323,37 @@ Status instance_check_intermediate(Instance *instance, const uint32_t *reference
     return STATUS_OK;
 }
 
+/* What hosts know of q: not the heave of a top whose motion is given, which comes first [model.h]. */
+static size_t hidden(const Instance *instance)
+{
+    return top_is_given(&instance->model) ? 1 : 0;
+}
+
+size_t instance_states(const Instance *instance)
+{
+    return (size_t)model_states(&instance->model) - 2 * hidden(instance);
+}
+
 static Status wrong_size(Instance *instance, size_t count)
 {
     Text text;
     text_start(&text);
     text_integer(&text, count);
     text_add(&text, " states were given or asked for; this cable has ");
-    text_integer(&text, (uint64_t)model_states(&instance->model));
+    text_integer(&text, (uint64_t)instance_states(instance));
     return instance_fail(instance, &text);
 }
 
 static bool size_matches(const Instance *instance, size_t count)
 {
-    return count == (size_t)model_states(&instance->model);
+    return count == instance_states(instance);
+}
+
+/* To the host from the kernel's states, or their derivatives. */
+static void hand_out(const Instance *instance, const double *own, double *host)
+{
+    const size_t half = (size_t)model_coordinates(&instance->model), first = hidden(instance), count = half - first;
+    for (size_t k = 0; k < 2; k++) memcpy(host + k * count, own + k * half + first, count * sizeof *host);
 }
 
 Status instance_set_time(Instance *instance, double time)
@@ -351,7 +373,8 @@ Status instance_set_time(Instance *instance, double time)
 Status instance_set_states(Instance *instance, const double *x, size_t count)
 {
     if (!size_matches(instance, count)) return wrong_size(instance, count);
-    memcpy(instance->x, x, count * sizeof *x);
+    const size_t half = (size_t)model_coordinates(&instance->model), first = hidden(instance), each = half - first;
+    for (size_t k = 0; k < 2; k++) memcpy(instance->x + k * half + first, x + k * each, each * sizeof *x);
     invalidate_state(instance);
     return STATUS_OK;
 }
@@ -360,7 +383,7 @@ Status instance_get_states(Instance *instance, double *x, size_t count)
 {
     if (!size_matches(instance, count)) return wrong_size(instance, count);
     if (!refresh_start(instance)) return STATUS_ERROR;
-    memcpy(x, instance->x, count * sizeof *x);
+    hand_out(instance, instance->x, x);
     return STATUS_OK;
 }
 
@@ -368,7 +391,7 @@ Status instance_get_derivatives(Instance *instance, double *derivative, size_t c
 {
     if (!size_matches(instance, count)) return wrong_size(instance, count);
     if (!refresh_derivatives(instance)) return STATUS_ERROR;
-    memcpy(derivative, instance->derivative, count * sizeof *derivative);
+    hand_out(instance, instance->derivative, derivative);
     return STATUS_OK;
 }
 

@@ -45,6 +45,10 @@ static bool take_equilibrium(Instance *instance)
 {
     instance->linear_is_lent = true, instance->linear_is_current = false;
     if (!refresh_derivatives(instance)) return false;
+    double still[INPUT_COUNT];
+    statics_inputs(instance->u, still);
+    cable_derivatives(&instance->model, instance->x, still, &instance->work, instance->derivative);
+    invalidate_state(instance);
     return equilibrium_point(&instance->model, instance->x, &instance->work, instance->derivative, &instance->linear) ||
            refuse_singular(instance) == STATUS_OK;
 }
@@ -159,7 +163,7 @@ static Status take_results(Instance *instance, Changes *changes, References refe
 /* From the changes of states and inputs to those of derivatives and, where asked for, outputs. */
 static bool carry_forward(Instance *instance, Changes *changes, bool with_outputs)
 {
-    const size_t half = (size_t)instance->model.n + 1;
+    const size_t half = (size_t)model_coordinates(&instance->model);
     if (starts_at_equilibrium(instance)) {
         if (!take_equilibrium(instance)) return false;
         equilibrium_change(&instance->model, &instance->linear, changes->of_inputs, changes->of_derivatives,
@@ -175,7 +179,7 @@ static bool carry_forward(Instance *instance, Changes *changes, bool with_output
 /* From the weights of states, derivatives and outputs to those of states and inputs. */
 static bool carry_back(Instance *instance, Changes *changes, bool with_outputs)
 {
-    const size_t half = (size_t)instance->model.n + 1, states = 2 * half;
+    const size_t states = (size_t)model_states(&instance->model);
     if (!refresh_linear(instance)) return false;
     memcpy(changes->spare, changes->of_states, states * sizeof *changes->spare);
     adjoint_derivatives(&instance->model, instance->x, &instance->linear, changes->of_derivatives,

@@ -363,7 +363,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *nContinuousSt
     const Instance *instance = fmi3_legal(c, CALL_fmi3GetNumberOfContinuousStates);
     if (!instance) return fmi3Error;
     if (!nContinuousStates) return fmi3_refuse(c, "fmi3GetNumberOfContinuousStates: a null pointer was given");
-    *nContinuousStates = (size_t)model_states(&instance->model);
+    *nContinuousStates = instance_states(instance);
     return fmi3OK;
 }
 

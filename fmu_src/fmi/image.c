@@ -7,7 +7,7 @@
 #include "sha256.h"
 #include "version.h"
 
-enum { FORMAT = 1, MOST_COUNT = 1000000000 };
+enum { FORMAT = 2, MOST_COUNT = 1000000000 };
 static const char MAGIC[8] = {'C', 'A', 'B', 'L', 'E', 'S', 'T', 'A'};
 
 typedef struct {
@@ -21,8 +21,8 @@ typedef struct {
 /* Those below are passed member by member: whoever adds one must pass it as well. */
 _Static_assert(sizeof(Header) == 88, "a header has no padding");
 _Static_assert(sizeof(ChoiceMemory) == 64, "a member of ChoiceMemory came or went");
-_Static_assert(sizeof(EnergyMemory) == 184, "a member of EnergyMemory came or went");
-_Static_assert(sizeof(SolverMemory) == 448, "a member of SolverMemory came or went");
+_Static_assert(sizeof(EnergyMemory) == 216, "a member of EnergyMemory came or went");
+_Static_assert(sizeof(SolverMemory) == 448 + 32 + 2 * 13 * 8, "a member of SolverMemory came or went");
 
 /* One list of members serves four ends: what passes is counted, goes out, is looked at or comes in. */
 typedef enum { COUNTING, WRITING, CHECKING, READING } Way;
@@ -90,6 +90,9 @@ static void pass_experiment(Stream *stream, Instance *instance)
     if (instance->link) pass_doubles(stream, instance->whole, WHOLE_COUNT);
     pass_doubles(stream, instance->u, INPUT_COUNT);
     pass_int(stream, &instance->u_orders, 0, INPUT_ORDERS);
+    int given = (int)instance->u_given;
+    pass_int(stream, &given, 0, (1 << INPUT_COUNT) - 1);
+    instance->u_given = (uint32_t)given;
     for (int order = 0; order < INPUT_ORDERS; order++) pass_doubles(stream, instance->u_derivative[order], INPUT_COUNT);
     pass_doubles(stream, instance->statics, STATICS_COUNT);
 }
@@ -122,6 +125,7 @@ static void pass_energy(Stream *stream, EnergyMemory *energy)
     pass_doubles(stream, &energy->start, 1);
     pass_doubles(stream, &energy->work, 1);
     pass_doubles(stream, &energy->taken, 1);
+    pass_doubles(stream, &energy->level, 1);
     pass_doubles(stream, energy->time, HISTORY);
     pass_doubles(stream, energy->loss, HISTORY);
     pass_doubles(stream, energy->place, PLACES);

@@ -71,7 +71,7 @@ static void start_over(Instance *instance)
 {
     const Resource *resource = &instance->resource;
     Model *model = &instance->model;
-    const size_t half = (size_t)model->n + 1;
+    const size_t half = (size_t)model_coordinates(model);
     memcpy(model->parameter, resource->parameter, sizeof model->parameter);
     if (resource->whole) {
         memcpy(instance->whole, resource->whole, sizeof instance->whole);
@@ -94,7 +94,7 @@ static void start_over(Instance *instance)
 
 static size_t doubles_of(const Resource *resource, int n)
 {
-    const size_t states = 2u * ((size_t)n + 1u);
+    const size_t states = 2u * (size_t)most_coordinates(n);
     const size_t for_start = resource->initial == INITIAL_EQUILIBRIUM ? states + statics_doubles(n) : 0;
     const size_t for_changes = 3 * states;
     const size_t for_links = resource->whole ? LINK_COLUMNS * (size_t)n : 0;
@@ -108,6 +108,7 @@ static void lay_out(Instance *instance, int n)
     const Resource *resource = &instance->resource;
     Model *model = &instance->model;
     model->n = n;
+    model->top = (Top)resource->top;
     model->terminal = (Terminal)resource->terminal;
     model->drag = (Drag)resource->drag;
     model->present = resource->present;

@@ -68,7 +68,8 @@ struct Instance {
     double *link;                  /* [LINK_COLUMNS][n] where n is a parameter, divided from `whole`; else NULL */
     double whole[WHOLE_COUNT];
     double u[INPUT_COUNT], u_derivative[INPUT_ORDERS][INPUT_COUNT], output[OUTPUT_COUNT];
-    int u_orders; /* derivatives of inputs that were given for the step to come; zeros beyond */
+    int u_orders;     /* derivatives of inputs that were given for the step to come; zeros beyond */
+    uint32_t u_given; /* the inputs that have some, as bits */
     double statics[STATICS_COUNT];
     double *changes;        /* three times the states, scratch [derivatives.c] */
     bool linear_is_current; /* for derivatives at the present state */
@@ -114,7 +115,8 @@ void forget_input_derivatives(Instance *instance);
 /* Whether these can be set or read inside a step; is any of them an input? */
 Status instance_check_intermediate(Instance *instance, const uint32_t *references, size_t count, bool *any_input);
 
-/* Model Exchange. */
+/* Model Exchange. The number of states that hosts know of. */
+size_t instance_states(const Instance *instance);
 Status instance_set_time(Instance *instance, double time);
 Status instance_set_states(Instance *instance, const double *x, size_t count);
 Status instance_get_states(Instance *instance, double *x, size_t count);

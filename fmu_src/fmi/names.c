@@ -35,13 +35,14 @@ static const char *const INPUT_NAME[] = {
 #include "../kernel/variables.def"
 };
 
-static const char *const ARRAY_NAME[] = {"y_m1", "theta", "v_m1", "omega"};
+static const char *const ARRAY_NAME[] = {"y_m1", "theta", "v_m1", "omega", "x_m1", "vx_m1"};
 
 void text_state(Text *text, const Instance *instance, size_t k)
 {
-    const size_t half = (size_t)instance->model.n + 1;
-    if (k % half == 0) {
-        text_add(text, k ? "v_m1" : "y_m1");
+    const size_t half = (size_t)model_coordinates(&instance->model);
+    if (k % half == 0 || k % half > (size_t)instance->model.n) {
+        const char *const name[] = {"y_m1", "v_m1", "x_m1", "vx_m1"};
+        text_add(text, name[(k % half ? 2 : 0) + k / half]);
         return;
     }
     text_add(text, k < half ? "theta[" : "omega[");

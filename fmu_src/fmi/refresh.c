@@ -134,7 +134,7 @@ bool refresh_outputs(Instance *instance, bool with_tensions)
     if (!state_is_usable(instance)) return false;
     /* Work belongs to the present state only while the derivatives do. */
     const bool has_derivatives = with_tensions && instance->derivatives_are_current;
-    cable_outputs(&instance->model, instance->x, instance->derivative, &instance->work, instance->output,
+    cable_outputs(&instance->model, instance->x, instance->u, instance->derivative, &instance->work, instance->output,
                   has_derivatives);
     instance->outputs_are_current = true;
     instance->tensions_are_current = has_derivatives;

@@ -9,7 +9,7 @@
 #include "file.h"
 #include "sha256.h"
 
-enum { HEADER_BYTES = 64 };
+enum { HEADER_BYTES = 72 };
 static const long MOST_BYTES = 64L * 1024 * 1024; /* 10,000 links with every variable take 1.5 MB */
 
 static int hex_digit(char c)
@@ -122,15 +122,17 @@ static bool lay_out(Resource *resource)
     resource->solver = word_at(bytes, 48);
     resource->initial = word_at(bytes, 52);
     resource->shape = word_at(bytes, 56);
+    resource->top = word_at(bytes, 64);
     const bool listed = resource->shape == SHAPE_LISTED;
     const bool counts = word_at(bytes, 8) == RESOURCE_VERSION && word_at(bytes, 32) == PARAMETER_COUNT &&
                         word_at(bytes, 36) == INPUT_COUNT && word_at(bytes, 40) == OUTPUT_COUNT &&
-                        word_at(bytes, 60) == (listed ? 0 : WHOLE_COUNT);
-    if (!counts || resource->n < 1 || resource->n > MOST_LINKS || resource->terminal >= TERMINAL_COUNT ||
-        resource->drag >= DRAG_COUNT || resource->present >> PARAMETER_COUNT || resource->solver >= SOLVER_CHOICES ||
-        resource->initial >= INITIAL_COUNT || resource->shape >= SHAPE_COUNT)
+                        word_at(bytes, 60) == (listed ? 0 : WHOLE_COUNT) && word_at(bytes, 68) == 0;
+    if (!counts || resource->n < 1 || resource->n > MOST_LINKS || resource->top >= TOP_COUNT ||
+        resource->terminal >= TERMINAL_COUNT || resource->drag >= DRAG_COUNT || resource->present >> PARAMETER_COUNT ||
+        resource->solver >= SOLVER_CHOICES || resource->initial >= INITIAL_COUNT || resource->shape >= SHAPE_COUNT)
         return false;
-    const size_t n = resource->n, of_cable = listed ? LINK_COLUMNS * n + 2 * (n + 1) : WHOLE_COUNT;
+    const size_t n = resource->n, coordinates = n + 1 + (resource->top == TOP_FREE);
+    const size_t of_cable = listed ? LINK_COLUMNS * n + 2 * coordinates : WHOLE_COUNT;
     const size_t doubles = PARAMETER_COUNT + INPUT_COUNT + 2 + of_cable;
     if (resource->size != HEADER_BYTES + 8 * doubles + 8 * (size_t)resource->variables) return false;
 
@@ -140,8 +142,8 @@ static bool lay_out(Resource *resource)
     resource->rest = take(&next, 2);
     if (listed) {
         resource->link = take(&next, LINK_COLUMNS * n);
-        resource->position = take(&next, n + 1);
-        resource->velocity = take(&next, n + 1);
+        resource->position = take(&next, coordinates);
+        resource->velocity = take(&next, coordinates);
     } else {
         resource->whole = take(&next, WHOLE_COUNT);
     }
@@ -168,7 +170,8 @@ static bool values_are_sane(const Resource *resource)
 
 static bool variables_are_sane(const Resource *resource)
 {
-    const uint32_t states = resource->whole ? ARRAY_COUNT : 2u * (resource->n + 1u);
+    const uint32_t coordinates = resource->n + 1u + (resource->top == TOP_FREE);
+    const uint32_t states = resource->whole ? ARRAY_COUNT : 2u * coordinates;
     const uint32_t statics = resource->initial == INITIAL_EQUILIBRIUM ? STATICS_COUNT : 0u;
     const uint32_t whole = resource->whole ? WHOLE_COUNT : 0u, links = resource->whole ? 1u : 0u;
     const uint32_t preloads = resource->whole ? PARAMETER_COUNT : 0u;

@@ -6,8 +6,9 @@
  *   present                                           uint64, bit P_x: the scene has parameter x
  *   parameters, inputs, outputs, variables            4 x uint32, counts
  *   solver, initial, shape, whole                     4 x uint32
- *   parameter[parameters], input_start[inputs], rest[2], then link[8][n], position[n + 1], velocity[n + 1] if the
- *   shape is listed, else whole[whole]                doubles
+ *   top, 0                                            2 x uint32
+ *   parameter[parameters], input_start[inputs], rest[2], then link[8][n], position and velocity, each as long as q, if
+ *   the shape is listed, else whole[whole]            doubles
  *   (kind, index)[variables]                          2 x uint32 each, in order of value references
  *
  * All little-endian, nothing behind the end. The token of the FMU (guid, instantiationToken) is made of
@@ -21,7 +22,7 @@
 #include "text.h"
 
 #define RESOURCE_NAME    "cable.bin"
-#define RESOURCE_VERSION 3u
+#define RESOURCE_VERSION 4u
 #define MOST_LINKS       10000u
 
 typedef enum {
@@ -53,7 +54,15 @@ typedef enum {
 } Whole;
 
 /* Where an array stands in the state vector, for variables of kind STATE and DERIVATIVE in place of an index there. */
-typedef enum { ARRAY_HEAVE, ARRAY_ANGLES, ARRAY_HEAVE_RATE, ARRAY_RATES, ARRAY_COUNT } Array;
+typedef enum {
+    ARRAY_HEAVE,
+    ARRAY_ANGLES,
+    ARRAY_HEAVE_RATE,
+    ARRAY_RATES,
+    ARRAY_SURGE,
+    ARRAY_SURGE_RATE,
+    ARRAY_COUNT
+} Array;
 
 typedef struct {
     uint32_t kind, index;
@@ -62,7 +71,7 @@ typedef struct {
 typedef struct {
     uint8_t *bytes; /* the whole file; everything below points into it */
     size_t size;
-    uint32_t n, terminal, drag, variables, solver, initial, shape;
+    uint32_t n, top, terminal, drag, variables, solver, initial, shape;
     uint64_t present;
     const double *parameter, *input_start, *rest;
     const double *link, *position, *velocity; /* NULL unless the shape is listed */

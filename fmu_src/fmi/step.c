@@ -31,6 +31,34 @@ static bool inputs_at(void *source, double time, double *u)
     return true;
 }
 
+/*
+ * Of a given motion x, v, a are one: for what the host says nothing of, the slope of x is v, and that of v is a, up to
+ * whatever derivatives of a it gives. So with a alone, held for a step, v is linear and x quadratic.
+ */
+static void join_motion(Instance *instance, Input first)
+{
+    enum { AXES = 2 };
+    double (*slope)[INPUT_COUNT] = instance->u_derivative;
+    for (int axis = 0; axis < AXES; axis++) {
+        for (int level = 1; level >= 0; level--) { /* v follows a, then x follows v */
+            const int of = (int)first + AXES * level + axis, from = of + AXES;
+            if (instance->u_given >> of & 1u) continue;
+            slope[0][of] = instance->u[from];
+            for (int order = 1; order < INPUT_ORDERS; order++) slope[order][of] = slope[order - 1][from];
+        }
+    }
+}
+
+/* Before a step, whose inputs the host gives as polynomials. */
+static void join_motions(Instance *instance)
+{
+    const Model *model = &instance->model;
+    if (instance->host.intermediate || !motion_is_given(model)) return;
+    if (top_is_given(model)) join_motion(instance, U_x_1);
+    if (model->terminal == TERMINAL_MOTION) join_motion(instance, U_x_2);
+    instance->u_orders = instance->u_orders + 2 < INPUT_ORDERS ? instance->u_orders + 2 : INPUT_ORDERS;
+}
+
 static const char *reason(SolverStatus status)
 {
     switch (status) {
@@ -135,6 +163,7 @@ Status instance_step(Instance *instance, double communication_point, double step
     if (check_step(instance, communication_point, step) != STATUS_OK) return STATUS_ERROR;
     refresh_model(instance);
     take_linear_back(instance);
+    join_motions(instance);
     const bool inputs_rest = !instance->host.intermediate && instance->u_orders == 0;
     const System system = {&instance->model,
                            &instance->work,

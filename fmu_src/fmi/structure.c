@@ -71,7 +71,8 @@ static void preload(Instance *instance, const double pull[2])
     double *p = model->parameter;
     const double volume = volume_of(instance, instance->whole[WHOLE_L]);
     const double weight = (instance->whole[WHOLE_rho_cable] * volume - p[P_rho_w] * volume) * p[P_g];
-    if (!model_has(model, P_static_load)) p[P_static_load] = pull[1];
+    if (model->top != TOP_MOTION && !model_has(model, P_static_load)) p[P_static_load] = pull[1];
+    if (model->top == TOP_FREE && !model_has(model, P_static_pull)) p[P_static_pull] = pull[0];
     if (!model->has_spring) return;
     p[P_static_load_2] = submerged_clump(model) * p[P_g] - (pull[1] - weight);
     p[P_static_pull_2] = pull[0];
@@ -82,7 +83,7 @@ bool structure_start(Instance *instance, double *states)
     const Model *model = &instance->model;
     const size_t n = (size_t)model->n;
     const bool is_straight = instance->resource.shape == SHAPE_STRAIGHT;
-    memset(states + n + 2, 0, n * sizeof *states);
+    memset(states + model_coordinates(model) + 1, 0, n * sizeof *states);
     for (size_t i = 1; is_straight && i <= n; i++) states[i] = instance->whole[WHOLE_theta_start];
     if (model->terminal == TERMINAL_LOAD) return true;
 
@@ -107,15 +108,23 @@ static Status no_memory(Instance *instance, uint64_t n)
     return instance_fail(instance, &text);
 }
 
+/* The states of the top, heave and surge with their rates, from x or back to it. */
+static void top_states(const Model *model, double *x, double kept[4], bool back)
+{
+    const int half = model_coordinates(model), surge = model->n + 1;
+    double *const place[] = {x, x + half, x + surge, x + half + surge};
+    for (int k = 0; k < (model->top == TOP_FREE ? 4 : 2); k++)
+        *(back ? place[k] : &kept[k]) = back ? kept[k] : *place[k];
+}
+
 Status structure_set_links(Instance *instance, uint64_t n)
 {
-    const size_t rate = (size_t)instance->model.n + 1;
-    if (n + 1 == rate) return STATUS_OK;
-    const double *before = instance_start(instance);
-    const double heave = before[0], heave_rate = before[rate];
+    const Model *model = &instance->model;
+    if (n == (uint64_t)model->n) return STATUS_OK;
+    double kept[4];
+    top_states(model, instance_start(instance), kept, false);
     if (!instance_size(instance, (int)n)) return no_memory(instance, n);
-    double *start = instance_start(instance);
-    start[0] = heave, start[n + 1] = heave_rate;
+    top_states(model, instance_start(instance), kept, true);
     instance->start_is_current = false;
     invalidate_model(instance);
     return STATUS_OK;

@@ -17,6 +17,7 @@
 /* Whether a pull is weighted; then y_R^T seed_y, node by node, is in react, else zeros. */
 static bool weigh_reactions(const Model *model, Linear *linear, const Pull *pull, const double *seed)
 {
+    const int n = model->n;
     memset(linear->react_x, 0, ((size_t)model->n + 1) * sizeof(double));
     memset(linear->react_y, 0, ((size_t)model->n + 1) * sizeof(double));
     bool any = false;
@@ -26,6 +27,10 @@ static bool weigh_reactions(const Model *model, Linear *linear, const Pull *pull
         linear->react_y[pull[k].node] -= weight * linear->cosine[pull[k].link];
         any |= weight != 0.0;
     }
+    if (!seed) return any;
+    linear->react_x[0] -= seed[Y_F_1x], linear->react_y[0] -= seed[Y_F_1y];
+    linear->react_x[n] += seed[Y_F_2x], linear->react_y[n] += seed[Y_F_2y];
+    for (Output force = Y_F_1x; force <= Y_F_2y; force++) any |= seed[force] != 0.0;
     return any;
 }
 
@@ -47,7 +52,23 @@ static void reactions_to_accelerations(const Model *model, Linear *linear, doubl
         acceleration[i + 1] += length[i] * (nx * (ax + 0.5 * own_x) + ny * (ay + 0.5 * own_y));
         ax += own_x, ay += own_y;
     }
-    acceleration[0] += ay;
+    if (!top_is_given(model)) acceleration[0] += ay;
+    if (model->top == TOP_FREE) acceleration[model->n + 1] += ax;
+}
+
+/* The top's part of walk_down(): its virtual displacement. */
+static Pair top_walked(const Model *model, double *q, double *v)
+{
+    const double *p = model->parameter;
+    const int surge = model->n + 1;
+    Pair moved = {0.0, 0.0};
+    if (top_is_given(model)) return moved;
+    moved.y = -v[0];
+    q[0] += p[P_k_m1] * moved.y, v[0] = p[P_c_m1] * moved.y;
+    if (model->top != TOP_FREE) return moved;
+    moved.x = -v[surge];
+    q[surge] += p[P_k_m1H] * moved.x, v[surge] = p[P_c_m1H] * moved.x;
+    return moved;
 }
 
 /*
@@ -56,11 +77,10 @@ static void reactions_to_accelerations(const Model *model, Linear *linear, doubl
  */
 static Pair walk_down(const Model *model, Linear *linear, double *q, double *v)
 {
-    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *p = model->parameter;
-    const double heave = -v[0];
-    Pair moved = {linear->react_x[0], linear->react_y[0] + heave};
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
+    const Pair top = top_walked(model, q, v);
+    Pair moved = {linear->react_x[0] + top.x, linear->react_y[0] + top.y};
     double above = 0.0;
-    q[0] += p[P_k_m1] * heave, v[0] = p[P_c_m1] * heave;
     for (int i = 0; i < model->n; i++) {
         const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex;
         const double turned = -v[i + 1], half = 0.5 * length[i] * turned, bent = turned - above;
@@ -80,8 +100,21 @@ static Pair walk_down(const Model *model, Linear *linear, double *q, double *v)
     return moved;
 }
 
+/* Transposed linear_top(), from what P_0's acceleration, velocity and position weigh; adds to q and v. */
+static void top_reached(const Model *model, const double z[MOST_COLUMNS], double *q, double *v, double *to_input)
+{
+    if (top_is_given(model)) {
+        to_input[U_ax_1] += z[0], to_input[U_ay_1] += z[1], to_input[U_vx_1] += z[2], to_input[U_vy_1] += z[3];
+        to_input[U_x_1] += z[4], to_input[U_y_1] += z[5];
+        return;
+    }
+    q[0] += z[5], v[0] += z[3];
+    if (model->top == TOP_FREE) q[model->n + 1] += z[4], v[model->n + 1] += z[2];
+}
+
 /* Transposed carry_down(), from what P_n's acceleration, velocity and position weigh. */
-static void walk_up(const Model *model, const Linear *linear, const double z[MOST_COLUMNS], double *q, double *v)
+static void walk_up(const Model *model, const Linear *linear, const double z[MOST_COLUMNS], double *q, double *v,
+                    double *to_input)
 {
     const double *length = model->link[LINK_LENGTH];
     double ax = z[0], ay = z[1], vx = z[2], vy = z[3];
@@ -99,7 +132,8 @@ static void walk_up(const Model *model, const Linear *linear, const double z[MOS
         ax += own_ax, ay += own_ay;
         vx += own_vx, vy += own_vy;
     }
-    q[0] += z[5], v[0] += vy;
+    const double top[MOST_COLUMNS] = {ax, ay, vx, vy, z[4], z[5]};
+    top_reached(model, top, q, v, to_input);
 }
 
 /* What R_{n+1} weighs, or at a held end the relation there, carried on to P_n's motion and to the inputs. */
@@ -118,15 +152,32 @@ static void end_to_motion(const Model *model, const Linear *linear, Pair weight,
     }
     to_input[U_F_cx] = force[0];
     to_input[U_F_cy] = to_input[U_u_m2] = force[1];
+    if (model->terminal != TERMINAL_MOTION) return;
+    to_input[U_ax_2] = -relation[0], to_input[U_ay_2] = -relation[1];
+    to_input[U_vx_2] = -z[2], to_input[U_vy_2] = -z[3];
+    to_input[U_x_2] = -z[4], to_input[U_y_2] = -z[5];
+}
+
+/* Adds what top_energy() makes of it to what P_0's velocity and position weigh. */
+static void add_top_energy(const Model *model, const Motion *top, double weight, double z[MOST_COLUMNS])
+{
+    if (top_is_given(model)) return;
+    const double *p = model->parameter;
+    z[3] += weight * p[P_M_1] * top->velocity[1];
+    z[5] += weight * (p[P_k_m1] * top->position[1] + p[P_static_load]);
+    if (model->top != TOP_FREE) return;
+    z[2] += weight * p[P_M_1] * top->velocity[0];
+    z[4] += weight * (p[P_k_m1H] * top->position[0] + p[P_static_pull]);
 }
 
 /* Adds what the energy's weight makes of it: energy.c, transposed. */
-static void energy_to_states(const Model *model, const double *x, Linear *linear, double weight, double *q, double *v)
+static void energy_to_states(const Model *model, const double *x, Linear *linear, double weight, double *q, double *v,
+                             double *to_input)
 {
     const int n = model->n;
-    const double *p = model->parameter, *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
-    const double *rate = x + n + 2;
-    double px = 0.0, py = x[0], vx = 0.0, vy = x[n + 1];
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *rate = rates_in(model, x);
+    const Motion *top = &linear->p_0;
+    double px = top->position[0], py = top->position[1], vx = top->velocity[0], vy = top->velocity[1];
     for (int i = 0; i < n; i++) {
         const double ex = linear->sine[i], ey = linear->cosine[i], l = length[i];
         const double step_x = l * rate[i] * ey, step_y = -l * rate[i] * ex;
@@ -150,27 +201,29 @@ static void energy_to_states(const Model *model, const double *x, Linear *linear
         if (i) q[i] -= bent;
         vx += own_x, vy += own_y, fy += own_f;
     }
-    q[0] += fy + weight * (p[P_k_m1] * x[0] + p[P_static_load]);
-    v[0] += vy + weight * p[P_M_1] * x[n + 1];
+    double reached[MOST_COLUMNS] = {0.0, 0.0, vx, vy, fx, fy};
+    add_top_energy(model, top, weight, reached);
+    top_reached(model, reached, q, v, to_input);
 }
 
 /* Adds what outputs follow of states without any force in between: to the motion of P_n, to q and to v. */
 static void outputs_to_states(const Model *model, const double *x, Linear *linear, const Pull *pull, const double *seed,
-                              double *q, double *v)
+                              double *q, double *v, double *to_input)
 {
     for (int k = 0; k < PULLS; k++) {
         const int node = pull[k].node, i = pull[k].link;
         const double across = linear->force_x[node] * linear->cosine[i] - linear->force_y[node] * linear->sine[i];
         q[i + 1] -= seed[pull[k].output] * across;
     }
-    q[0] += seed[Y_y_m1], v[0] += seed[Y_v_m1];
-    if (seed[Y_energy] != 0.0) energy_to_states(model, x, linear, seed[Y_energy], q, v);
+    const double top[MOST_COLUMNS] = {0.0, 0.0, seed[Y_vx_m1], seed[Y_v_m1], seed[Y_x_m1], seed[Y_y_m1]};
+    top_reached(model, top, q, v, to_input);
+    if (seed[Y_energy] != 0.0) energy_to_states(model, x, linear, seed[Y_energy], q, v, to_input);
 }
 
 void adjoint_derivatives(const Model *model, const double *x, Linear *linear, const double *seed_derivative,
                          const double *seed_output, double *to_state, double *to_input)
 {
-    const int half = model->n + 1;
+    const int half = model_coordinates(model);
     double *q = to_state, *v = to_state + half, z[MOST_COLUMNS], end[2] = {0.0, 0.0};
     Pull pull[PULLS];
     pulls_of_outputs(model, linear, pull);
@@ -178,13 +231,15 @@ void adjoint_derivatives(const Model *model, const double *x, Linear *linear, co
     if (weigh_reactions(model, linear, pull, seed_output)) reactions_to_accelerations(model, linear, q, end);
     linear_solve(model, linear, q, end, v); /* mu */
     memset(q, 0, (size_t)half * sizeof *q);
-    to_input[U_u_m1] = v[0];
+    memset(to_input, 0, INPUT_COUNT * sizeof *to_input);
+    if (!top_is_given(model)) to_input[U_u_m1] = v[0];
+    if (model->top == TOP_FREE) to_input[U_u_m1x] = v[model->n + 1];
     end_to_motion(model, linear, walk_down(model, linear, q, v), z, to_input);
     if (seed_output) {
         z[2] += seed_output[Y_vx_c], z[3] += seed_output[Y_vy_c];
         z[4] += seed_output[Y_x_c], z[5] += seed_output[Y_y_c];
     }
-    walk_up(model, linear, z, q, v);
+    walk_up(model, linear, z, q, v, to_input);
     for (int k = 0; k < half; k++) v[k] += seed_derivative[k];
-    if (seed_output) outputs_to_states(model, x, linear, pull, seed_output, q, v);
+    if (seed_output) outputs_to_states(model, x, linear, pull, seed_output, q, v, to_input);
 }

@@ -99,7 +99,7 @@ static void drive_links(const Model *model, const double *x, Work *work, int fro
                         double origin_y)
 {
     const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
-    const double *rate = x + model->n + 2, *sine = work->sine, *cosine = work->cosine;
+    const double *rate = rates_in(model, x), *sine = work->sine, *cosine = work->cosine;
     const double *inward_x = work->inward_x, *inward_y = work->inward_y;
     const double *load_x = work->load_x, *load_y = work->load_y;
     double *drive_x = work->drive_x, *drive_y = work->drive_y;
@@ -378,7 +378,7 @@ INLINED void accelerations(const Model *model, const double *x, const double *u,
     const int n = model->n, middle = model->middle;
     const double sum_x = work->inward_x[n], sum_y = work->inward_y[n];
     Port port[ENDS];
-    top_port(model, x, u, &port[FROM_TOP]);
+    top_port(model, x, u, work, &port[FROM_TOP]);
     terminal_port(model, work, &port[FROM_TIP]);
     const Port start[ENDS] = {port[FROM_TOP], alone ? port[FROM_TOP] : port[FROM_TIP]};
     const int outermost = alone ? 0 : n - 1;
@@ -412,7 +412,7 @@ INLINED void accelerations(const Model *model, const double *x, const double *u,
         answers_from_terminal(model, work, answer);
     else
         answers_from_middle(model, work, answer);
-    acceleration[0] = top_acceleration(model, x, u, work->answer_x[0], work->answer_y[0]);
+    top_acceleration(model, x, u, work->answer_x[0], work->answer_y[0], acceleration);
     turn_links(model, work, middle, acceleration + 1);
 }
 

@@ -72,12 +72,12 @@ static void first_direction(double *direction, int half)
     for (int k = 1; k < half; k++) direction[k] = k % 2 ? 1.0 : -1.0;
 }
 
-/* What of the accelerations changes with the positions (of_speed = 0) or velocities (1) in `direction`, n + 1 each. */
+/* What of the accelerations changes with the positions (of_speed = 0) or velocities (1) in `direction`, each as long as q. */
 static const double *response(const System *system, const Vectors *vectors, const double *x, const double *direction,
                               int of_speed)
 {
     const double no_inputs[INPUT_COUNT] = {0.0};
-    const int half = system->model->n + 1;
+    const int half = model_coordinates(system->model);
     double *const dx = vectors->stage[0];
     memset(dx, 0, 2u * (size_t)half * sizeof *dx);
     memcpy(dx + of_speed * half, direction, (size_t)half * sizeof *dx);
@@ -89,7 +89,7 @@ static const double *response(const System *system, const Vectors *vectors, cons
 static double largest(const System *system, const Vectors *vectors, const double *x, double *direction, int of_speed,
                       int iterations)
 {
-    const int half = system->model->n + 1;
+    const int half = model_coordinates(system->model);
     double value = 0.0;
     for (int k = 0; k < iterations; k++) {
         const double *found = response(system, vectors, x, direction, of_speed);
@@ -102,7 +102,8 @@ static double largest(const System *system, const Vectors *vectors, const double
 
 static bool is_damped(const Model *model)
 {
-    return model->has_damping || model->has_drag || model->has_spring || model->parameter[P_c_m1] != 0.0;
+    return model->has_damping || model->has_drag || model->has_spring || model->parameter[P_c_m1] != 0.0 ||
+           model->parameter[P_c_m1H] != 0.0;
 }
 
 /* Of lambda^2 + 2 decay lambda + stiffness = 0. */
@@ -117,7 +118,7 @@ static double limit_of(double stiffness, double decay)
 static void measure(const System *system, SolverMemory *memory, const Vectors *vectors, const double *x, int iterations)
 {
     const Model *model = system->model;
-    const int half = model->n + 1;
+    const int half = model_coordinates(model);
     double *const slope = vectors->right_side, *const stiffest = vectors->fastest, *const fastest = stiffest + half;
     memory->has_point = false;
     memory->counter[SOLVER_rhs]++;

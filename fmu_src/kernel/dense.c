@@ -20,7 +20,7 @@ void dense_remember(const System *system, SolverMemory *memory, const Vectors *v
     memory->dense_from = t, memory->dense_to = t_new;
 }
 
-void dense_state(const System *system, const SolverMemory *memory, const Vectors *vectors, double t, double *x)
+bool dense_state(const System *system, const SolverMemory *memory, const Vectors *vectors, double t, double *x)
 {
     const RosenbrockTable *table = &ROSENBROCK_TABLE;
     const double s = (t - memory->dense_from) / (memory->dense_to - memory->dense_from), left = 1.0 - s;
@@ -28,5 +28,5 @@ void dense_state(const System *system, const SolverMemory *memory, const Vectors
     double weight[2 + ROSENBROCK_MOST_DENSE] = {left, s}, power = s * left;
     for (int k = 0; k < table->dense_terms; k++, power *= s) weight[2 + k] = power, vector[2 + k] = vectors->bend[k];
     combine_states(system, NULL, 2 + table->dense_terms, weight, vector, x);
-    if (system->model->terminal == TERMINAL_PIN) pin_project(system->model, system->work, system->model->rest, x);
+    return back_to_guide(system, t, x);
 }

@@ -9,10 +9,14 @@ bool directional_point(const Model *model, const double *x, const Work *work, co
 }
 
 /* P_n and its velocity. */
-static void terminal_changes(const Model *model, const Linear *linear, const double *dq, const double *dv, double *dy)
+static void terminal_changes(const Model *model, const Linear *linear, const double *dq, const double *dv,
+                             const double *du, double *dy)
 {
     const double *length = model->link[LINK_LENGTH];
-    double px = 0.0, py = dq[0], vx = 0.0, vy = dv[0];
+    double z[MOST_COLUMNS];
+    linear_top(model, dq, dv, NULL, du, z);
+    double vx = z[2], vy = z[3], px = z[4], py = z[5];
+    dy[Y_x_m1] = px, dy[Y_y_m1] = py, dy[Y_vx_m1] = vx, dy[Y_v_m1] = vy;
     for (int i = 0; i < model->n; i++) {
         const double nx = linear->cosine[i], ny = -linear->sine[i], ex = -ny, ey = nx, l = length[i];
         const double spin = linear->rate[i] * dq[i + 1];
@@ -50,14 +54,29 @@ void pulls_of_outputs(const Model *model, const Linear *linear, Pull pull[PULLS]
     }
 }
 
-/* The derivative of energy.c, line by line. */
-static double energy_change(const Model *model, const double *x, const Linear *linear, const double *dx)
+/* Of top_energy(), P_0 moving by z. */
+static double top_energy_change(const Model *model, const Motion *top, const double z[MOST_COLUMNS])
 {
-    const int n = model->n;
-    const double *p = model->parameter, *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
-    const double *dq = dx, *dv = dx + n + 1, *v = x + n + 1;
-    double px = 0.0, py = x[0], vx = 0.0, vy = v[0], dpx = 0.0, dpy = dq[0], dvx = 0.0, dvy = dv[0];
-    double change = p[P_M_1] * v[0] * dv[0] + (p[P_k_m1] * x[0] + p[P_static_load]) * dq[0];
+    if (top_is_given(model)) return 0.0;
+    const double *p = model->parameter;
+    const double heaved = p[P_k_m1] * top->position[1] + p[P_static_load];
+    const double change = p[P_M_1] * top->velocity[1] * z[3] + heaved * z[5];
+    if (model->top != TOP_FREE) return change;
+    return change + p[P_M_1] * top->velocity[0] * z[2] + (p[P_k_m1H] * top->position[0] + p[P_static_pull]) * z[4];
+}
+
+/* The derivative of energy.c, line by line. */
+static double energy_change(const Model *model, const double *x, const Motion *top, const Linear *linear,
+                            const double *dx, const double *du)
+{
+    const int n = model->n, half = model_coordinates(model);
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
+    const double *dq = dx, *dv = dx + half, *v = x + half;
+    double z[MOST_COLUMNS];
+    linear_top(model, dq, dv, NULL, du, z);
+    double px = top->position[0], py = top->position[1], vx = top->velocity[0], vy = top->velocity[1];
+    double dvx = z[2], dvy = z[3], dpx = z[4], dpy = z[5];
+    double change = top_energy_change(model, top, z);
     for (int i = 0; i < n; i++) {
         const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, l = length[i];
         const double rate = v[i + 1], dt = dq[i + 1], spin = rate * dt;
@@ -81,7 +100,7 @@ static double energy_change(const Model *model, const double *x, const Linear *l
 void directional_derivatives(const Model *model, const double *x, Linear *linear, const double *dx, const double *du,
                              double *d_derivative, double *d_output)
 {
-    const int half = model->n + 1;
+    const int half = model_coordinates(model);
     const double *dq = dx, *dv = dx + half;
     double *da = d_derivative + half, *force = d_derivative, end[2];
     /* M da = du - ID_q dq - ID_v dv */
@@ -93,11 +112,12 @@ void directional_derivatives(const Model *model, const double *x, Linear *linear
     memcpy(d_derivative, dv, (size_t)half * sizeof *dv);
     if (!d_output) return;
     linear_reactions(model, linear, dq, dv, da, du);
-    d_output[Y_y_m1] = dq[0], d_output[Y_v_m1] = dv[0];
-    terminal_changes(model, linear, dq, dv, d_output);
+    terminal_changes(model, linear, dq, dv, du, d_output);
+    d_output[Y_F_1x] = -linear->react_x[0], d_output[Y_F_1y] = -linear->react_y[0];
+    d_output[Y_F_2x] = linear->react_x[model->n], d_output[Y_F_2y] = linear->react_y[model->n];
     Pull pull[PULLS];
     pulls_of_outputs(model, linear, pull);
     for (int k = 0; k < PULLS; k++)
         d_output[pull[k].output] = pull_change(linear, pull[k].node, pull[k].link, dq[pull[k].link + 1]);
-    d_output[Y_energy] = energy_change(model, x, linear, dx);
+    d_output[Y_energy] = energy_change(model, x, &linear->p_0, linear, dx, du);
 }

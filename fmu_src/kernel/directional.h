@@ -11,7 +11,7 @@
  * singular: a taut, straight cable between two ends that cannot move. */
 bool directional_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear);
 
-/* Changes of derivative[2 (n + 1)] and, unless NULL, output[OUTPUT_COUNT] with dx[2 (n + 1)] and du[INPUT_COUNT]. */
+/* Changes of the derivative and, unless NULL, of output[OUTPUT_COUNT] with dx and du[INPUT_COUNT]; the former as long as x. */
 void directional_derivatives(const Model *model, const double *x, Linear *linear, const double *dx, const double *du,
                              double *d_derivative, double *d_output);
 

@@ -10,20 +10,21 @@ void cable_derivatives(const Model *model, const double *x, const double *u, Wor
     model->variant->derivatives(model, x, u, work, derivative);
 }
 
-void cable_outputs(const Model *model, const double *x, const double *derivative, Work *work, double *output,
-                   bool has_derivatives)
+void cable_outputs(const Model *model, const double *x, const double *u, const double *derivative, Work *work,
+                   double *output, bool has_derivatives)
 {
-    if (!has_derivatives) orientation_portable(model, x, work);
+    if (!has_derivatives) orientation_portable(model, x, work), top_motion(model, x, u, work);
     terminal_motion(model, x, work, work->end_position, work->end_velocity);
-    output[Y_y_m1] = x[0];
-    output[Y_v_m1] = x[model->n + 1];
+    output[Y_x_m1] = work->top.position[0];
+    output[Y_y_m1] = work->top.position[1];
+    output[Y_vx_m1] = work->top.velocity[0];
+    output[Y_v_m1] = work->top.velocity[1];
     output[Y_x_c] = work->end_position[0];
     output[Y_y_c] = work->end_position[1];
     output[Y_vx_c] = work->end_velocity[0];
     output[Y_vy_c] = work->end_velocity[1];
     output[Y_energy] = cable_energy(model, x, work);
-    if (has_derivatives)
-        cable_tensions(model, derivative, work, &output[Y_tension_top], &output[Y_tension_end], &output[Y_tension_max]);
+    if (has_derivatives) cable_forces(model, derivative, work, output);
 }
 
 int angle_out_of_range(const Model *model, const double *x)

@@ -13,17 +13,17 @@
 #include "variant.h"
 
 /*
- * The right-hand side: derivative[2 (n + 1)] of x' = f(x, u). Pure: depends on its arguments alone,
- * changes nothing but `derivative` and scratch. u[INPUT_COUNT] in N, zeros where the scene has no input.
+ * The right-hand side: the derivative of x' = f(x, u), as long as x. Pure: depends on its arguments alone,
+ * changes nothing but `derivative` and scratch. u[INPUT_COUNT], zeros where the scene has no input.
  */
 void cable_derivatives(const Model *model, const double *x, const double *u, Work *work, double *derivative);
 
 /*
  * Every output of Y_..., output[OUTPUT_COUNT]. With has_derivatives, `work` and `derivative` must be
- * what cable_derivatives() left for the same (x, u); without, the tensions are left as they are.
+ * what cable_derivatives() left for the same (x, u); without, pulls and forces are left as they are.
  */
-void cable_outputs(const Model *model, const double *x, const double *derivative, Work *work, double *output,
-                   bool has_derivatives);
+void cable_outputs(const Model *model, const double *x, const double *u, const double *derivative, Work *work,
+                   double *output, bool has_derivatives);
 
 /* --- one concept a file; those under VARIANT are compiled once more in avx2.c --- */
 
@@ -33,6 +33,7 @@ int angle_out_of_range(const Model *model, const double *x);
 /* terminal.c: force on P_n besides the cable's pull; weight, inputs, springs with preload. */
 void terminal_motion(const Model *model, const double *x, const Work *work, double position[2], double velocity[2]);
 void terminal_force(const Model *model, const double *x, const double *u, Work *work);
+void terminal_guide(const Model *model, const double *u, Motion *guide);
 double terminal_energy(const Model *model, const double position[2], const double velocity[2]);
 
 /* What the cable is fastened to at P_0 or P_n: its inertia N / unit with det = det(N) / unit [ends.h], and its bias,
@@ -44,14 +45,16 @@ typedef struct {
     double given_x, given_y;
 } Port;
 
-/* floater.c, terminal.c */
-void top_port(const Model *model, const double *x, const double *u, Port *port);
+/* top.c, terminal.c: top_motion() comes before everything else that asks where the cable is, or how fast. */
+void top_motion(const Model *model, const double *x, const double *u, Work *work);
+void top_port(const Model *model, const double *x, const double *u, const Work *work, Port *port);
 void terminal_port(const Model *model, const Work *work, Port *port);
-double top_acceleration(const Model *model, const double *x, const double *u, double pull_x, double pull_y);
-double floater_energy(const Model *model, const double *x);
+void top_acceleration(const Model *model, const double *x, const double *u, double pull_x, double pull_y,
+                      double *acceleration);
+double top_energy(const Model *model, const Work *work);
 
-/* pin.c: the state x with P_n at the place `pin` and at rest there, from which steps lead away by their error. */
-void pin_project(const Model *model, Work *work, const double pin[2], double *x);
+/* pin.c: the state x with P_n where the guide is and as fast, from which steps lead away by their error. */
+void pin_project(const Model *model, const double *u, Work *work, const Motion *guide, double *x);
 
 /* A force [N] or another pair along x and y. */
 typedef struct {
@@ -83,8 +86,7 @@ static inline double speed_across(const Model *model, const Work *work, int i, d
 
 /* energy.c, tension.c */
 double cable_energy(const Model *model, const double *x, const Work *work);
-void cable_tensions(const Model *model, const double *derivative, const Work *work, double *top, double *end,
-                    double *largest);
+void cable_forces(const Model *model, const double *derivative, const Work *work, double *output);
 
 /* Twice: name_portable and name_avx2 [variant.h]. */
 #define STAGES_OF(variant)                                                                                             \

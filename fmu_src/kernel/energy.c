@@ -20,8 +20,8 @@ static double joint_energy(const Model *model, const double *x)
 double cable_energy(const Model *model, const double *x, const Work *work)
 {
     const int n = model->n;
-    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *rate = x + n + 2;
-    double y = x[0], vx = 0.0, vy = x[n + 1], energy = 0.0;
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *rate = rates_in(model, x);
+    double y = work->top.position[1], vx = work->top.velocity[0], vy = work->top.velocity[1], energy = 0.0;
     for (int i = 0; i < n; i++) {
         const double l = length[i], swing = 0.5 * l * rate[i];
         const double step_x = swing * work->cosine[i], step_y = -swing * work->sine[i];
@@ -33,6 +33,6 @@ double cable_energy(const Model *model, const double *x, const Work *work)
         vx += 2.0 * step_x;
         vy += 2.0 * step_y;
     }
-    return energy + joint_energy(model, x) + floater_energy(model, x) +
+    return energy + joint_energy(model, x) + top_energy(model, work) +
            terminal_energy(model, work->end_position, work->end_velocity);
 }

@@ -12,13 +12,24 @@
  *     loss      the cubic through the power at the last four points
  * A jump of the inputs begins a new history, as the power has a kink there.
  */
-enum { HISTORY = 4, PLACES = 3 };
+enum { HISTORY = 4, PLACES = 4 };
 
-/* Power that drag and dampers take [W]; `work` as the right-hand side left it for x. */
+/* Power that goes to those who give the ends their motion [W]: -R_1 on the one, R_{n+1} on the other. */
+static double power_to_vessels(const Model *model, const Work *work)
+{
+    const int n = model->n;
+    const double *top = work->top.velocity, *end = work->guide.velocity;
+    double power = 0.0;
+    if (top_is_given(model)) power -= work->answer_x[0] * top[0] + work->answer_y[0] * top[1];
+    if (model->terminal == TERMINAL_MOTION) power += work->answer_x[n] * end[0] + work->answer_y[n] * end[1];
+    return power;
+}
+
+/* Power that drag and dampers take, and vessels [W]; `work` as the right-hand side left it for x. */
 static double power_lost(const Model *model, const double *x, const Work *work)
 {
     const int n = model->n;
-    const double *v = x + n + 1, *rate = v + 1, *p = model->parameter;
+    const double *rate = rates_in(model, x), *p = model->parameter;
     double joints = model->damping[0] * rate[0] * rate[0], water = 0.0;
     for (int i = 1; i < n && model->has_damping; i++) {
         const double bending = rate[i] - rate[i - 1];
@@ -28,10 +39,11 @@ static double power_lost(const Model *model, const double *x, const Work *work)
         const double across = speed_across(model, work, i, rate[i]);
         water += model->drag_factor[i] * fabs(across) * across * across;
     }
-    double ends = p[P_c_m1] * v[0] * v[0];
+    const double *top = work->top.velocity;
+    double ends = p[P_c_m1H] * top[0] * top[0] + p[P_c_m1] * top[1] * top[1];
     for (int k = 0; k < 2 && model->has_spring; k++)
         ends += model->damper[k] * work->end_velocity[k] * work->end_velocity[k];
-    return joints + water + ends;
+    return joints + water + ends + power_to_vessels(model, work);
 }
 
 /* The polynomial through `points` of the history at time t, by Neville's rule. */
@@ -62,17 +74,19 @@ static void remember_loss(EnergyMemory *energy, double t, double loss)
     if (energy->points < HISTORY) energy->points++;
 }
 
-/* Forces of the inputs where they act: on floater 1 along y, on the terminal along x and y. */
+/* Forces of the inputs where they act: on floater 1 along y, on the terminal along x and y, on floater 1 along x. */
 static void forces_of(const double *u, double force[PLACES])
 {
-    force[0] = u[U_u_m1], force[1] = u[U_F_cx], force[2] = u[U_F_cy] + u[U_u_m2];
+    force[0] = u[U_u_m1], force[1] = u[U_F_cx], force[2] = u[U_F_cy] + u[U_u_m2], force[3] = u[U_u_m1x];
 }
 
 /* The terminal's is worth a sum over all links only where a force acts on it; else what stood there stays. */
 static void places_of(const Model *model, const double *x, const Work *work, bool terminal, double *place,
                       double *speed)
 {
-    place[0] = x[0], speed[0] = x[model->n + 1];
+    const Motion *top = &work->top;
+    place[0] = top->position[1], speed[0] = top->velocity[1];
+    place[3] = top->position[0], speed[3] = top->velocity[0];
     if (terminal) terminal_motion(model, x, work, place + 1, speed + 1);
 }
 
@@ -92,15 +106,31 @@ static double simpson(double h, const double *force, const double *middle, const
     return work;
 }
 
+/* Energy at x, `work` being the right-hand side's. */
+static double energy_at(const System *system, const double *x)
+{
+    terminal_motion(system->model, x, system->work, system->work->end_position, system->work->end_velocity);
+    return cable_energy(system->model, x, system->work);
+}
+
+/* Given motions that jump bring energy of their own. */
+static void keep_level(const System *system, EnergyMemory *energy, const double *x, bool jumped)
+{
+    if (!motion_is_given(system->model)) return;
+    const double level = energy_at(system, x);
+    if (jumped) energy->work += level - energy->level;
+    energy->level = level;
+}
+
 void energy_restart(const System *system, SolverMemory *memory, double t, const double *x)
 {
     EnergyMemory *energy = &memory->energy;
     if (!energy->is_kept) return;
     if (!energy->has_start) {
-        terminal_motion(system->model, x, system->work, system->work->end_position, system->work->end_velocity);
-        energy->start = cable_energy(system->model, x, system->work);
+        energy->start = energy->level = energy_at(system, x);
         energy->has_start = true;
     }
+    keep_level(system, energy, x, true);
     energy->points = 0;
     remember_loss(energy, t, power_lost(system->model, x, system->work));
     forces_of(memory->slope_u, energy->force);
@@ -116,6 +146,7 @@ void energy_advance(const System *system, SolverMemory *memory, double t, const 
     const double h = t - energy->time[0];
     remember_loss(energy, t, power_lost(system->model, x, system->work));
     energy->taken += newest_loss(energy);
+    keep_level(system, energy, x, false);
     forces_of(memory->slope_u, force);
     memcpy(middle, force, sizeof middle);
     if (memcmp(force, energy->force, sizeof force) != 0 && system->inputs(system->source, t - 0.5 * h, u))
@@ -125,7 +156,7 @@ void energy_advance(const System *system, SolverMemory *memory, double t, const 
     const bool pulled = pulls_terminal(force) || pulls_terminal(energy->force);
     places_of(system->model, x, system->work, pulled, place, speed);
     if (pulled && energy->place_is_old) /* a force that begins without a jump: it was zero there */
-        for (int k = 1; k < PLACES; k++) energy->place[k] = place[k] - h * speed[k], energy->speed[k] = speed[k];
+        for (int k = 1; k <= 2; k++) energy->place[k] = place[k] - h * speed[k], energy->speed[k] = speed[k];
     energy->place_is_old = !pulled;
     energy->work += simpson(h, energy->force, middle, force, energy->place, place, energy->speed, speed);
     memcpy(energy->force, force, sizeof force);

@@ -11,11 +11,11 @@
  * definite, and x no stable equilibrium. */
 bool equilibrium_point(const Model *model, const double *x, const Work *work, const double *derivative, Linear *linear);
 
-/* dq[n + 1] with du[INPUT_COUNT]; force[n + 1] is scratch. */
+/* dq with du[INPUT_COUNT]; force is scratch, both as long as q. */
 void equilibrium_change(const Model *model, Linear *linear, const double *du, double *force, double *dq);
 
-/* Adds to to_input[INPUT_COUNT] what a sum of dq, weighted by seed[n + 1], changes by with each input; change[n + 1] is
- * scratch. */
+/* Adds to to_input[INPUT_COUNT] what a sum of dq, weighted by a seed, changes by with each input; change is scratch,
+ * both as long as q. */
 void equilibrium_adjoint(const Model *model, Linear *linear, const double *seed, double *change, double *to_input);
 
 #endif

@@ -27,12 +27,12 @@ static bool input_slopes(const System *system, double t, double h, const double 
     return true;
 }
 
-/* From the right side r to the stage's increment: both vectors of 2 (n + 1). */
+/* From the right side r to the stage's increment: both as long as x. */
 static void solve_stage(const System *system, const Vectors *vectors, double g, const double *du, const double *r,
                         double *increment)
 {
     const Model *model = system->model;
-    const int half = model->n + 1;
+    const int half = model_coordinates(model);
     double *force = vectors->force, *dq = vectors->force + half, end[2];
     double *d = increment + half;
     for (int k = 0; k < half; k++) dq[k] = -g * r[k];

@@ -7,7 +7,7 @@
 void VARIANT(joint_torques)(const Model *model, const double *x, Work *work)
 {
     const int n = model->n;
-    const double *angle = x + 1, *rate = x + n + 2;
+    const double *angle = x + 1, *rate = rates_in(model, x);
     const double *stiffness = model->stiffness, *damping = model->damping;
     double *joint = work->joint, *torque = work->torque;
     joint[0] = stiffness[0] * angle[0] + damping[0] * rate[0];

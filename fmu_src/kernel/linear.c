@@ -28,14 +28,14 @@
  * for a mass m on a spring-damper, and with c/m = 2 r, k/m = r^2, 1/m = 0 for a pin [terminal.c].
  */
 
-enum { SPARE = 1 };
+enum { SPARE = 2 }; /* entries of q beyond n */
 
 #define LINEAR_ARRAYS(w)                                                                                               \
     &(w)->sine, &(w)->cosine, &(w)->rate, &(w)->turn, &(w)->force_x, &(w)->force_y, &(w)->pull, &(w)->drag,            \
         &(w)->drag_gain, &(w)->slip, &(w)->a_n, &(w)->a_e, &(w)->v_n, &(w)->v_e, &(w)->p_n, &(w)->lift_x,              \
         &(w)->lift_y, &(w)->per_pivot, &(w)->bend, &(w)->gain[0], &(w)->gain[1], &(w)->gain[2], &(w)->gain[3],         \
-        &(w)->gain[4], &(w)->gain[5], &(w)->unit_x, &(w)->unit_y, &(w)->ahead, &(w)->known_ax, &(w)->known_ay,         \
-        &(w)->known_vx, &(w)->known_vy, &(w)->react_x, &(w)->react_y
+        &(w)->gain[4], &(w)->gain[5], &(w)->unit_x, &(w)->unit_y, &(w)->ahead, &(w)->column, &(w)->known_ax,           \
+        &(w)->known_ay, &(w)->known_vx, &(w)->known_vy, &(w)->react_x, &(w)->react_y
 
 size_t linear_doubles(int n)
 {
@@ -75,7 +75,7 @@ static void hold(const Model *model, Linear *linear)
 {
     linear->is_held = model->end_is_heavy;
     if (!linear->is_held) return;
-    if (model->terminal == TERMINAL_PIN) {
+    if (end_is_given(model)) {
         linear_pin(linear);
         return;
     }
@@ -109,8 +109,9 @@ void linear_point(const Model *model, const double *x, const Work *work, const d
 {
     const int n = model->n;
     const double *factor = model->drag_factor;
-    const double *rate = x + n + 2, *turn = derivative + n + 2;
+    const double *rate = rates_in(model, x), *turn = rates_in(model, derivative);
     hold(model, linear);
+    linear->p_0 = work->top;
     for (int i = 0; i < n; i++) {
         linear->sine[i] = work->sine[i], linear->cosine[i] = work->cosine[i];
         linear->rate[i] = rate[i], linear->turn[i] = turn[i];
@@ -224,12 +225,40 @@ static inline int sweep_up(const Model *model, Linear *linear, int columns, Belo
     return negative;
 }
 
-static double top_pivot(const Model *model, Weights w, const Below *below, int columns)
+/* The top's pivot, inverted: a number, a matrix, or none. How many of its eigenvalues are negative, or -1 where it is
+ * singular. */
+static int take_top(const Model *model, Weights w, const Below *below, Linear *linear)
 {
     const double *p = model->parameter, moved[] = {w.a, w.v, w.q};
-    double pivot = w.a * p[P_M_1] + w.v * p[P_c_m1] + w.q * p[P_k_m1];
-    for (int c = 0; c < columns; c += 2) pivot += below->y[c + 1] * moved[c / 2]; /* the heave moves along y alone */
-    return pivot;
+    double *top = linear->top;
+    top[0] = top[1] = top[2] = top[3] = 0.0;
+    if (top_is_given(model)) return 0;
+    double yy = w.a * p[P_M_1] + w.v * p[P_c_m1] + w.q * p[P_k_m1];
+    for (int c = 0; c < linear->columns; c += 2)
+        yy += below->y[c + 1] * moved[c / 2]; /* the heave moves along y alone */
+    if (model->top == TOP_FLOATER) {
+        if (!(fabs(yy) > 0.0)) return -1;
+        top[3] = 1.0 / yy;
+        return yy < 0.0;
+    }
+    double xx = w.a * p[P_M_1] + w.v * p[P_c_m1H] + w.q * p[P_k_m1H], xy = 0.0, yx = 0.0;
+    for (int c = 0; c < linear->columns; c += 2) {
+        xx += below->x[c] * moved[c / 2], xy += below->x[c + 1] * moved[c / 2];
+        yx += below->y[c] * moved[c / 2];
+    }
+    const double det = xx * yy - xy * yx;
+    if (!(fabs(det) > 0.0)) return -1;
+    top[0] = yy / det, top[1] = -xy / det, top[2] = -yx / det, top[3] = xx / det;
+    return det < 0.0 ? 1 : yy < 0.0 ? 2 : 0;
+}
+
+/* What the top's own unknowns move at P_0. */
+static inline void moved_by_top(const Model *model, Weights w, const double *change, double z[MOST_COLUMNS])
+{
+    const double heave = change[0], surge = model->top == TOP_FREE ? change[model->n + 1] : 0.0;
+    z[0] = w.a * surge, z[1] = w.a * heave;
+    z[2] = w.v * surge, z[3] = w.v * heave;
+    z[4] = w.q * surge, z[5] = w.q * heave;
 }
 
 /* Without a held end: L d = force, z_0 and d_0 being the top's. */
@@ -248,10 +277,15 @@ static inline void solve_chain(const Model *model, Linear *linear, int columns, 
         ry += linear->lift_y[i] * q;
         t = linear->bend[i] * q;
     }
-    const Weights w = linear->weights;
-    const double heave = ((force ? force[0] : 0.0) - ry) * linear->top_per_pivot;
-    double z[MOST_COLUMNS] = {0.0, w.a * heave, 0.0, w.v * heave, 0.0, w.q * heave}, above = 0.0;
-    change[0] = heave;
+    const double *top = linear->top, push_y = (force ? force[0] : 0.0) - ry;
+    double z[MOST_COLUMNS], above = 0.0;
+    change[0] = top[3] * push_y;
+    if (model->top == TOP_FREE) {
+        const double push_x = (force ? force[n + 1] : 0.0) - rx;
+        change[0] += top[2] * push_x;
+        change[n + 1] = top[0] * push_x + top[1] * push_y;
+    }
+    moved_by_top(model, linear->weights, change, z);
     for (int i = 0; i < n; i++) {
         const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex;
         double d = linear->ahead[i] + linear->bend[i] * linear->per_pivot[i] * above;
@@ -283,8 +317,9 @@ static void solve_free(const Model *model, Linear *linear, const double *force, 
 static void end_of_change(const Model *model, const Linear *linear, const double *change, double end[2])
 {
     const HeldEnd held = linear->held;
-    const Weights w = linear->weights;
-    double a[2] = {0.0, w.a * change[0]}, v[2] = {0.0, w.v * change[0]}, p[2] = {0.0, w.q * change[0]};
+    double z[MOST_COLUMNS];
+    moved_by_top(model, linear->weights, change, z);
+    double *const a = z, *const v = z + 2, *const p = z + 4;
     for (int i = 0; i < model->n; i++) {
         const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, d = change[i + 1];
         a[0] += (linear->a_n[i] * nx + linear->a_e[i] * ex) * d;
@@ -334,10 +369,9 @@ int linear_factor(const Model *model, Weights weights, Linear *linear)
     take_moves(model, linear);
     Below below = below_terminal(model, linear);
     int negative = eliminate_all(model, linear, &below);
-    const double pivot = top_pivot(model, weights, &below, linear->columns);
-    if (negative < 0 || !(fabs(pivot) > 0.0)) return -1;
-    linear->top_per_pivot = 1.0 / pivot;
-    negative += pivot < 0.0;
+    const int of_top = take_top(model, weights, &below, linear);
+    if (negative < 0 || of_top < 0) return -1;
+    negative += of_top;
     if (!linear->is_held) return negative;
     /* A constraint of two rows has two negative eigenvalues of its own in the bordered matrix; of one that is not
      * symmetric it may have fewer. */
@@ -354,16 +388,32 @@ void linear_solve(const Model *model, Linear *linear, const double *force, const
     const double off_x = end[0] - found[0], off_y = end[1] - found[1];
     const double through_x = linear->border[0] * off_x + linear->border[1] * off_y;
     const double through_y = linear->border[2] * off_x + linear->border[3] * off_y;
-    for (int k = 0; k <= model->n; k++) change[k] += linear->unit_x[k] * through_x + linear->unit_y[k] * through_y;
+    const int count = model_coordinates(model);
+    for (int k = 0; k < count; k++) change[k] += linear->unit_x[k] * through_x + linear->unit_y[k] * through_y;
     linear->through[0] = through_x, linear->through[1] = through_y;
 }
 
-/* A change that is given, down the cable: of the nodes' acceleration, velocity and position, and at the links' centres. */
+/* What changes of the coordinates, or of a given motion, do to P_0. */
+void linear_top(const Model *model, const double *dq, const double *dv, const double *da, const double *du,
+                double z[MOST_COLUMNS])
+{
+    const double *part[] = {da, dv, dq};
+    const int surge = model->n + 1;
+    for (int k = 0; k < 3; k++) {
+        z[2 * k] = part[k] && model->top == TOP_FREE ? part[k][surge] : 0.0;
+        z[2 * k + 1] = part[k] && !top_is_given(model) ? part[k][0] : 0.0;
+    }
+    if (!du || !top_is_given(model)) return;
+    z[0] = du[U_ax_1], z[1] = du[U_ay_1], z[2] = du[U_vx_1], z[3] = du[U_vy_1], z[4] = du[U_x_1], z[5] = du[U_y_1];
+}
+
+/* A change that is given, from that of P_0 down the cable: of the nodes' acceleration, velocity and position, in z that
+ * of P_n in the end, and at the links' centres. */
 static void carry_down(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
                        double z[MOST_COLUMNS])
 {
     const double *length = model->link[LINK_LENGTH];
-    double ax = 0.0, ay = da ? da[0] : 0.0, vx = 0.0, vy = dv ? dv[0] : 0.0, px = 0.0, py = dq ? dq[0] : 0.0;
+    double ax = z[0], ay = z[1], vx = z[2], vy = z[3], px = z[4], py = z[5];
     for (int i = 0; i < model->n; i++) {
         const double ex = linear->sine[i], ey = linear->cosine[i], nx = ey, ny = -ex, w = linear->rate[i];
         const double q = dq ? dq[i + 1] : 0.0, v = dv ? dv[i + 1] : 0.0, a = da ? da[i + 1] : 0.0, l = length[i];
@@ -380,12 +430,26 @@ static void carry_down(const Model *model, Linear *linear, const double *dq, con
     z[0] = ax, z[1] = ay, z[2] = vx, z[3] = vy, z[4] = px, z[5] = py;
 }
 
+/* The top's own entries, R_1 changing by (rx, ry). */
+static void missing_at_top(const Model *model, const double *dq, const double *dv, const double *da, double rx,
+                           double ry, double *force)
+{
+    const double *p = model->parameter;
+    force[0] = 0.0;
+    if (top_is_given(model)) return;
+    force[0] = ry + p[P_M_1] * (da ? da[0] : 0.0) + p[P_c_m1] * (dv ? dv[0] : 0.0) + p[P_k_m1] * (dq ? dq[0] : 0.0);
+    if (model->top != TOP_FREE) return;
+    const int surge = model->n + 1;
+    force[surge] = rx + p[P_M_1] * (da ? da[surge] : 0.0) + p[P_c_m1H] * (dv ? dv[surge] : 0.0) +
+                   p[P_k_m1H] * (dq ? dq[surge] : 0.0);
+}
+
 /* Up the cable with what carry_down() left, R_{n+1} changing by (rx, ry): the other R, and the missing forces. */
 static void carry_up(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
                      double rx, double ry, double *force)
 {
     const int n = model->n;
-    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS], *p = model->parameter;
+    const double *length = model->link[LINK_LENGTH], *mass = model->link[LINK_MASS];
     double torque_below = 0.0;
     linear->react_x[n] = rx, linear->react_y[n] = ry;
     for (int i = n - 1; i >= 0; i--) {
@@ -408,8 +472,7 @@ static void carry_up(const Model *model, Linear *linear, const double *dq, const
         linear->react_x[i] = rx, linear->react_y[i] = ry;
         torque_below = torque;
     }
-    if (force)
-        force[0] = ry + p[P_M_1] * (da ? da[0] : 0.0) + p[P_c_m1] * (dv ? dv[0] : 0.0) + p[P_k_m1] * (dq ? dq[0] : 0.0);
+    if (force) missing_at_top(model, dq, dv, da, rx, ry, force);
 }
 
 /* Change of the force that the terminal's mass and support take, for a change z of its motion. */
@@ -418,10 +481,10 @@ static double end_reaction(const Model *model, const double *z, int axis)
     return model->end_mass * z[axis] + model->damper[axis] * z[2 + axis] + model->spring[axis] * z[4 + axis];
 }
 
-void linear_apply(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
-                  double *force, double end[2])
+/* force and end of linear_apply(), P_0 moving by z. */
+static void missing_forces(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
+                           double z[MOST_COLUMNS], double *force, double end[2])
 {
-    double z[MOST_COLUMNS];
     carry_down(model, linear, dq, dv, da, z);
     end[0] = end[1] = 0.0;
     if (!linear->is_held) {
@@ -433,27 +496,54 @@ void linear_apply(const Model *model, Linear *linear, const double *dq, const do
     carry_up(model, linear, dq, dv, da, 0.0, 0.0, force);
 }
 
+void linear_apply(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
+                  double *force, double end[2])
+{
+    double z[MOST_COLUMNS];
+    linear_top(model, dq, dv, da, NULL, z);
+    missing_forces(model, linear, dq, dv, da, z, force, end);
+}
+
 void linear_reactions(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
                       const double *du)
 {
     double z[MOST_COLUMNS];
+    linear_top(model, dq, dv, da, du, z);
     carry_down(model, linear, dq, dv, da, z);
     const double rx = linear->is_held ? linear->through[0] : end_reaction(model, z, 0) - du[U_F_cx];
     const double ry = linear->is_held ? linear->through[1] : end_reaction(model, z, 1) - du[U_F_cy] - du[U_u_m2];
     carry_up(model, linear, dq, dv, da, rx, ry, NULL);
 }
 
-void linear_inputs(const Model *model, const Linear *linear, const double *du, double *force, double end[2])
+/* What a change of the ends' given motion takes, by walks of its own; its missing forces go to scratch. */
+static void given_motion(const Model *model, Linear *linear, const double *du, double *force, double end[2])
+{
+    if (model->terminal == TERMINAL_MOTION) {
+        end[0] += du[U_ax_2] + linear->held.damper[0] * du[U_vx_2] + linear->held.spring[0] * du[U_x_2];
+        end[1] += du[U_ay_2] + linear->held.damper[1] * du[U_vy_2] + linear->held.spring[1] * du[U_y_2];
+    }
+    if (!top_is_given(model)) return;
+    double z[MOST_COLUMNS], off[2], *missing = linear->ahead;
+    linear_top(model, NULL, NULL, NULL, du, z);
+    missing_forces(model, linear, NULL, NULL, NULL, z, missing, off);
+    for (int i = 1; i <= model->n; i++) force[i] -= missing[i];
+    for (int k = 0; k < 2; k++) end[k] -= off[k];
+}
+
+void linear_inputs(const Model *model, Linear *linear, const double *du, double *force, double end[2])
 {
     const double *length = model->link[LINK_LENGTH];
     const double fx = du[U_F_cx], fy = du[U_F_cy] + du[U_u_m2];
-    force[0] += du[U_u_m1];
+    given_motion(model, linear, du, force, end);
+    if (!top_is_given(model)) force[0] += du[U_u_m1];
+    if (model->top == TOP_FREE) force[model->n + 1] += du[U_u_m1x];
     if (linear->is_held) { /* the force goes to the end, not into the cable */
         const double per_mass = linear->held.per_mass;
         end[0] += fx * per_mass, end[1] += fy * per_mass;
         return;
     }
     if (fx == 0.0 && fy == 0.0) return;
-    force[0] += fy;
+    if (!top_is_given(model)) force[0] += fy;
+    if (model->top == TOP_FREE) force[model->n + 1] += fx;
     for (int i = 0; i < model->n; i++) force[i + 1] += length[i] * (linear->cosine[i] * fx - linear->sine[i] * fy);
 }

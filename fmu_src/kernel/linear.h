@@ -4,7 +4,7 @@
  * With ID(q, v, a) the forces that are missing for the acceleration a (inverse dynamics), zero in every motion,
  *     L = w_q ID_q + w_v ID_v + w_a ID_a
  * is the inertia matrix for the weights (0, 0, 1), the tangent stiffness for (1, 0, 0), and what an implicit step
- * solves with for (1, 1/g, 1/g^2). Vectors have n + 1 entries: heave [m], then link angles [rad]; forces likewise [N], [N m].
+ * solves with for (1, 1/g, 1/g^2). Vectors are as long as q: heave [m], link angles [rad], and the surge [m] where there is one; forces likewise [N], [N m].
  */
 #ifndef CABLE_LINEAR_H
 #define CABLE_LINEAR_H
@@ -32,6 +32,7 @@ typedef struct Linear {
     double *pull;                        /* e.(R_i + R_{i+1}) [N] */
     double *drag, *drag_gain;            /* f [N]; -df/dv_n = 2 c |v_n| [N s/m] */
     double *slip;                        /* e.V at the link's centre, relative to the water [m/s] */
+    Motion p_0;                          /* of the top */
     /* of linear_factor(): */
     double *a_n, *a_e, *v_n, *v_e, *p_n; /* how a link's unknown moves its lower node along n and e */
     double *lift_x, *lift_y;             /* Y: force through the upper node that comes with the unknown */
@@ -39,12 +40,13 @@ typedef struct Linear {
     double *gain[MOST_COLUMNS];          /* G / p */
     double *unit_x, *unit_y;             /* held ends: answer to a unit force through P_n */
     /* scratch: */
-    double *ahead;               /* rho / p */
+    double *ahead;               /* rho / p, or what a given motion takes */
+    double *column;              /* of forces, by one input [equilibrium_change.c] */
     double *known_ax, *known_ay; /* known change of the acceleration of the link's centre [m/s^2] */
     double *known_vx, *known_vy; /* and of its velocity [m/s] */
     double *react_x, *react_y;   /* change of R that goes with them [N] */
-    double top_per_pivot;
-    bool is_held; /* at its lower end, as a pin or nearly [model.c] */
+    double top[4];               /* xx, xy, yx, yy: how the top moves with a force on it; zeros where it cannot */
+    bool is_held;                /* at its lower end, as a pin or nearly [model.c] */
     HeldEnd held;
     double border[4];  /* xx, xy, yx, yy: force at a held end by what its relation is off by */
     double through[2]; /* what linear_solve() found to go through a held end */
@@ -63,6 +65,10 @@ void linear_rest(const Model *model, const Work *work, const double *force_x, co
 
 /* The end is a pin from here on, whatever holds it. */
 void linear_pin(Linear *linear);
+
+/* How P_0 moves, z as its columns, with changes of the coordinates, or of a given motion; each may be NULL. */
+void linear_top(const Model *model, const double *dq, const double *dv, const double *da, const double *du,
+                double z[MOST_COLUMNS]);
 
 /*
  * The factors of L at that state, or -1 where a pivot vanishes and there are none. Returns how many pivots are negative,
@@ -86,7 +92,7 @@ void linear_solve(const Model *model, Linear *linear, const double *force, const
 void linear_reactions(const Model *model, Linear *linear, const double *dq, const double *dv, const double *da,
                       const double *du);
 
-/* Adds to force and end what a change of the inputs du[INPUT_COUNT] brings [N]. */
-void linear_inputs(const Model *model, const Linear *linear, const double *du, double *force, double end[2]);
+/* Adds to force and end what a change of the inputs du[INPUT_COUNT] brings [N]. A given motion loads all links. */
+void linear_inputs(const Model *model, Linear *linear, const double *du, double *force, double end[2]);
 
 #endif

@@ -5,15 +5,15 @@
 #include "rosenbrock.h"
 #include "solver.h"
 
-/* Vectors of 2 (n + 1) in the solver's block. */
+/* Vectors as long as x in the solver's block. */
 enum { METHOD_STAGES = ROSENBROCK_MOST_STAGES };
 typedef struct {
     double *slope;                /* f(t, x) of the present point */
     double *trial;                /* the point that is being tried */
     double *stage[METHOD_STAGES]; /* slopes or increments of the stages */
     double *right_side;           /* implicit: f at a stage, and what becomes of it */
-    double *force;                /* implicit: two vectors of n + 1 */
-    double *fastest;              /* directions of the largest eigenvalues, two of n + 1 [choice.c] */
+    double *force;                /* implicit: two vectors as long as q */
+    double *fastest;              /* directions of the largest eigenvalues, two as long as q [choice.c] */
     double *spare;
     double *begin, *end;                 /* of the last step that went beyond t_end [dense.c] */
     double *bend[ROSENBROCK_MOST_DENSE]; /* w_k of its dense output */
@@ -30,11 +30,14 @@ bool explicit_attempt(const System *system, SolverMemory *memory, const Vectors 
 bool implicit_attempt(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
                       const double *x, double *error);
 
+/* solver.c: a held end back where the inputs of time t want it; false if there were no inputs. */
+bool back_to_guide(const System *system, double t, double *x);
+
 /* dense.c: remembers an implicit step from (t, x) to the trial point beyond t_end, and gives the state at a
- * time inside it. */
+ * time inside it; false if there were no inputs. */
 void dense_remember(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
                     const double *x);
-void dense_state(const System *system, const SolverMemory *memory, const Vectors *vectors, double t, double *x);
+bool dense_state(const System *system, const SolverMemory *memory, const Vectors *vectors, double t, double *x);
 
 /* slope = f(t, x), counted; the inputs that it took go to u. */
 bool slope_at(const System *system, SolverMemory *memory, double t, const double *x, double *slope, double *u);

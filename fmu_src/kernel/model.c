@@ -127,7 +127,7 @@ static void prepare_elimination(Model *model)
 {
     double mass = 0.0;
     for (int i = 0; i < model->n; i++) mass += model->link[LINK_MASS][i];
-    const bool is_pin = model->terminal == TERMINAL_PIN;
+    const bool is_pin = end_is_given(model);
     model->end_is_heavy = is_pin || model->end_mass > 1e2 * mass;
     model->middle = is_pin || model->end_mass > 1e7 * mass ? model->n : model->n / 2;
 }

@@ -1,8 +1,9 @@
 /*
  * The cable as the kernel sees it: constants in `Model`, scratch in `Work`, the state outside both.
  *
- * State vector x = (q, q'), length 2 (n + 1): q = (y_m1, theta_1 ... theta_n), heave of floater 1 [m,
- * positive down] and absolute link angles [rad from the downward vertical, positive towards +x].
+ * State vector x = (q, q'): q = (y_m1, theta_1 ... theta_n), heave of floater 1 [m, positive down] and absolute link
+ * angles [rad from the downward vertical, positive towards +x]; behind them x_m1, the surge [m], where floater 1 has one.
+ * Where the top follows a given motion, y_m1 is no coordinate and zero: angles stand at the same place in every cable.
  * Link i has unit vector e = (sin th, cos th) and normal n = de/dth = (cos th, -sin th).
  * Brackets such as [5.4] are equations of Pouzada's dissertation (FURG, 2015); docs/model.md restates them.
  */
@@ -45,6 +46,14 @@ typedef enum {
     STATICS_COUNT
 } StaticsFigure;
 
+/* What the cable hangs from at P_0; numbers as in the resource file. */
+typedef enum {
+    TOP_FLOATER, /* heaves */
+    TOP_FREE,    /* heaves and surges */
+    TOP_MOTION,  /* moves as the inputs say: an external vessel owns the mass */
+    TOP_COUNT
+} Top;
+
 /* What hangs at P_n; numbers as in the resource file. */
 typedef enum {
     TERMINAL_LOAD,
@@ -52,6 +61,7 @@ typedef enum {
     TERMINAL_ANCHOR_SPRING,
     TERMINAL_FLOATER,
     TERMINAL_PIN,
+    TERMINAL_MOTION, /* moves as the inputs say */
     TERMINAL_COUNT
 } Terminal;
 
@@ -78,6 +88,7 @@ typedef enum {
  * is derived of it by model_prepare(). */
 typedef struct Model {
     int n; /* links */
+    Top top;
     Terminal terminal;
     Drag drag;
     uint64_t present; /* bit P_x is set where the scene has parameter x */
@@ -103,6 +114,11 @@ typedef struct Model {
     double preload[2];                /* constant force of the terminal's support along x, y [N] */
 } Model;
 
+/* Of a port that moves as it is told: along x and y [m], [m/s], [m/s^2]. */
+typedef struct {
+    double position[2], velocity[2], acceleration[2];
+} Motion;
+
 /* Links that the elimination takes at a time from each end [chain.c]; an odd one may come with the first. */
 enum { STRIP = 32, STRIP_ROOM = 2 * STRIP + 1 };
 
@@ -127,6 +143,8 @@ typedef struct Work {
     double bias_x[STRIP_ROOM], bias_y[STRIP_ROOM];               /* there: c [m/s^2] above the middle, f [N] below */
     double k_ee[STRIP_ROOM], k_en[STRIP_ROOM], k_nn[STRIP_ROOM]; /* K of links above the middle */
     double per_pivot[STRIP_ROOM];                                /* 1/J of links below */
+    Motion top;          /* of P_0; its acceleration, where that is not given, zero [top.c] */
+    Motion guide;        /* where a pin is, or what P_n is to follow [terminal.c] */
     double end_force[2]; /* all force on the terminal besides the cable's pull [N] */
     double end_position[2], end_velocity[2];
 } Work;
@@ -151,10 +169,46 @@ static inline double link_inertia(const Model *model, int i)
     return model->link[LINK_INERTIA][i] + (i == model->n - 1 ? model->end_inertia : 0.0);
 }
 
-/* Number of states, 2 (n + 1). */
+/* Whether what is fastened there moves as the inputs say. */
+static inline bool top_is_given(const Model *model)
+{
+    return model->top == TOP_MOTION;
+}
+
+/* Or does not move at all. */
+static inline bool end_is_given(const Model *model)
+{
+    return model->terminal == TERMINAL_PIN || model->terminal == TERMINAL_MOTION;
+}
+
+/* Entries of q. */
+static inline int model_coordinates(const Model *model)
+{
+    return model->n + 1 + (model->top == TOP_FREE);
+}
+
+/* Whether an input is a motion. */
+static inline bool motion_is_given(const Model *model)
+{
+    return top_is_given(model) || model->terminal == TERMINAL_MOTION;
+}
+
+/* The most that n links may have, with whatever ends. */
+static inline int most_coordinates(int n)
+{
+    return n + 2;
+}
+
+/* Entries of x = (q, q'). */
 static inline int model_states(const Model *model)
 {
-    return 2 * (model->n + 1);
+    return 2 * model_coordinates(model);
+}
+
+/* Of a state, or of its derivative: the links' angular velocities [rad/s], or accelerations [rad/s^2]. */
+static inline const double *rates_in(const Model *model, const double *x)
+{
+    return x + model_coordinates(model) + 1;
 }
 
 #endif

@@ -19,7 +19,7 @@ static const double RESOLUTION = 16.0 * 2.220446049250313e-16; /* of time, relat
 
 size_t solver_doubles(int n)
 {
-    return (size_t)VECTORS * 2u * ((size_t)n + 1u);
+    return (size_t)VECTORS * 2u * (size_t)most_coordinates(n);
 }
 
 Vectors vectors_in(double *block, int count)
@@ -149,8 +149,20 @@ static void reject(SolverMemory *memory, double h, double error)
     memory->counter[SOLVER_rejected]++;
 }
 
+bool back_to_guide(const System *system, double t, double *x)
+{
+    const Model *model = system->model;
+    if (!end_is_given(model)) return true;
+    double u[INPUT_COUNT] = {0.0};
+    if (motion_is_given(model) && !system->inputs(system->source, t, u)) return false;
+    Motion guide;
+    terminal_guide(model, u, &guide);
+    pin_project(model, u, system->work, &guide, x);
+    return true;
+}
+
 /* The trial point becomes the present one. */
-static void move_on(const System *system, SolverMemory *memory, const Vectors *vectors, double t_new, double *t,
+static bool move_on(const System *system, SolverMemory *memory, const Vectors *vectors, double t_new, double *t,
                     double *x)
 {
     const size_t bytes = (size_t)model_states(system->model) * sizeof *x;
@@ -164,7 +176,7 @@ static void move_on(const System *system, SolverMemory *memory, const Vectors *v
         memcpy(memory->slope_u, memory->trial_u, sizeof memory->slope_u);
         energy_advance(system, memory, *t, x);
     }
-    if (system->model->terminal == TERMINAL_PIN) pin_project(system->model, system->work, system->model->rest, x);
+    return back_to_guide(system, t_new, x);
 }
 
 static bool attempt(const System *system, SolverMemory *memory, const Vectors *vectors, double t, double t_new,
@@ -193,19 +205,19 @@ static bool start(const System *system, SolverMemory *memory, const Vectors *vec
 }
 
 /* Inside a step that was made already: to t_end, or to that step's end if it comes first. */
-static void go_inside(const System *system, SolverMemory *memory, const Vectors *vectors, double *t, double t_end,
+static bool go_inside(const System *system, SolverMemory *memory, const Vectors *vectors, double *t, double t_end,
                       double *x)
 {
-    if (t_end < memory->dense_to) {
-        *t = t_end;
-        dense_state(system, memory, vectors, t_end, x);
-    } else {
-        *t = memory->dense_to;
-        memcpy(x, vectors->end, (size_t)model_states(system->model) * sizeof *x);
-        memory->is_inside = false;
-    }
     memory->has_slope = memory->has_point = false;
     memory->has_moved = true;
+    if (t_end < memory->dense_to) {
+        *t = t_end;
+        return dense_state(system, memory, vectors, t_end, x);
+    }
+    *t = memory->dense_to;
+    memcpy(x, vectors->end, (size_t)model_states(system->model) * sizeof *x);
+    memory->is_inside = false;
+    return true;
 }
 
 /* Who wants to know of an accepted step finds the inputs evaluated there, as the next step would find them. */
@@ -238,7 +250,7 @@ SolverStatus solver_advance(const System *system, SolverMemory *memory, double *
     SolverStatus told = SOLVER_OK;
     if (!start(system, memory, &vectors, *t, t_end, least, x)) return SOLVER_INPUT_FAILED;
     if (memory->is_inside) {
-        go_inside(system, memory, &vectors, t, t_end, x);
+        if (!go_inside(system, memory, &vectors, t, t_end, x)) return SOLVER_INPUT_FAILED;
         told = tell(system, memory, &vectors, *t, &t_end, x);
     }
 
@@ -255,8 +267,8 @@ SolverStatus solver_advance(const System *system, SolverMemory *memory, double *
             accept(memory, h, error, rejected_before);
             memory->is_inside = t_new > t_end;
             if (memory->is_inside) dense_remember(system, memory, &vectors, *t, t_new, x);
-            move_on(system, memory, &vectors, t_new, t, x);
-            if (memory->is_inside) go_inside(system, memory, &vectors, t, t_end, x);
+            if (!move_on(system, memory, &vectors, t_new, t, x)) return SOLVER_INPUT_FAILED;
+            if (memory->is_inside && !go_inside(system, memory, &vectors, t, t_end, x)) return SOLVER_INPUT_FAILED;
             if (angle_out_of_range(system->model, x)) return SOLVER_ANGLE_TOO_LARGE;
         } else {
             reject(memory, h, error);

@@ -63,7 +63,8 @@ typedef struct {
     int points;                          /* of the history that follows, newest first */
     double time[4], loss[4];             /* power taken at these times [s], [W] */
     bool place_is_old;                   /* the terminal's, where no force acts on it */
-    double place[3], speed[3], force[3]; /* of floater 1 and the terminal, and the forces there, at the newest */
+    double place[4], speed[4], force[4]; /* of floater 1 and the terminal, and the forces there, at the newest */
+    double level;                        /* energy at the newest, where a motion is given [J] */
 } EnergyMemory;
 
 /* Memory across calls: plain data, so that it can be saved with the state. */

@@ -37,31 +37,40 @@ static const double ON_THE_PIN = 1e-11;   /* of the cable's length */
 /* Views into the block, and what the search knows. */
 typedef struct {
     const Model *model;
-    const double *u;
+    double u[INPUT_COUNT]; /* of statics_inputs() */
     Work *work;
     Linear *linear;
-    double *x, *trial;         /* 2 (n + 1): velocities are zero */
-    double *force, *step;      /* n + 1 */
+    double *x, *trial;         /* velocities are zero */
+    double *force, *step;      /* as long as q */
     double *force_x, *force_y; /* R through the nodes, n + 1 */
     bool is_held;
-    double pin[2], through[2]; /* where a held end is, and R there */
-    double energy, size;       /* at x: potential [J]; largest force over inertia [1/s^2] */
+    Motion guide;        /* where a held end is, at rest */
+    double through[2];   /* R there */
+    double energy, size; /* at x: potential [J]; largest force over inertia [1/s^2] */
 } Search;
 
 size_t statics_doubles(int n)
 {
-    return 8u * ((size_t)n + 1u);
+    return 8u * (size_t)most_coordinates(n);
 }
 
 bool statics_holds_end(const Model *model)
 {
-    return model->terminal == TERMINAL_PIN || model->terminal == TERMINAL_ANCHOR_MASS;
+    return end_is_given(model) || model->terminal == TERMINAL_ANCHOR_MASS;
+}
+
+void statics_inputs(const double *u, double *still)
+{
+    memcpy(still, u, INPUT_COUNT * sizeof *still);
+    for (Input k = U_vx_1; k <= U_ay_1; k++) still[k] = 0.0;
+    for (Input k = U_vx_2; k <= U_ay_2; k++) still[k] = 0.0;
 }
 
 static Search search_in(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x)
 {
-    const size_t half = (size_t)model->n + 1;
-    Search search = {.model = model, .u = u, .work = work, .linear = linear, .x = x};
+    const size_t half = (size_t)most_coordinates(model->n);
+    Search search = {.model = model, .work = work, .linear = linear, .x = x};
+    statics_inputs(u, search.u);
     search.trial = block;
     double **const rest[] = {&search.force, &search.step, &search.force_x, &search.force_y};
     for (size_t k = 0; k < 4; k++) *rest[k] = block + (2 + k) * half;
@@ -74,11 +83,13 @@ static double potential(const Search *search, const double *x)
 {
     const Model *model = search->model;
     Work *work = search->work;
-    const double *u = search->u, *end = work->end_position;
+    const double *u = search->u, *end = work->end_position, *top = work->top.position;
     model->variant->orientation(model, x, work);
+    top_motion(model, x, u, work);
     terminal_force(model, x, u, work);
     terminal_motion(model, x, work, work->end_position, work->end_velocity);
-    return cable_energy(model, x, work) - u[U_u_m1] * x[0] - u[U_F_cx] * end[0] - (u[U_F_cy] + u[U_u_m2]) * end[1];
+    const double on_top = u[U_u_m1x] * top[0] + u[U_u_m1] * top[1];
+    return cable_energy(model, x, work) - on_top - u[U_F_cx] * end[0] - (u[U_F_cy] + u[U_u_m2]) * end[1];
 }
 
 /* R up the cable, and the missing forces g, after potential() of the same x. */
@@ -87,7 +98,7 @@ static void forces(Search *search, const double *x)
     const Model *model = search->model;
     const Work *work = search->work;
     const int n = model->n;
-    const double *length = model->link[LINK_LENGTH], *p = model->parameter;
+    const double *length = model->link[LINK_LENGTH], *p = model->parameter, *u = search->u;
     double rx = search->is_held ? search->through[0] : -work->end_force[0];
     double ry = search->is_held ? search->through[1] : -work->end_force[1];
     double torque_below = 0.0;
@@ -101,15 +112,18 @@ static void forces(Search *search, const double *x)
         search->force_x[i] = rx, search->force_y[i] = ry;
         torque_below = torque;
     }
-    search->force[0] = ry + p[P_k_m1] * x[0] + p[P_static_load] - search->u[U_u_m1];
+    search->force[0] = top_is_given(model) ? 0.0 : ry + p[P_k_m1] * x[0] + p[P_static_load] - u[U_u_m1];
+    if (model->top == TOP_FREE) search->force[n + 1] = rx + p[P_k_m1H] * x[n + 1] + p[P_static_pull] - u[U_u_m1x];
 }
 
 /* The largest force over the inertia of its coordinate by itself [m/s^2, rad/s^2]. */
 static double size_of(const Search *search)
 {
-    double largest = fabs(search->force[0]) / search->model->parameter[P_M_1];
-    for (int i = 0; i < search->model->n; i++)
-        largest = fmax(largest, fabs(search->force[i + 1]) * search->model->per_rotary[i]);
+    const Model *model = search->model;
+    const double mass = model->parameter[P_M_1];
+    double largest = top_is_given(model) ? 0.0 : fabs(search->force[0]) / mass;
+    if (model->top == TOP_FREE) largest = fmax(largest, fabs(search->force[model->n + 1]) / mass);
+    for (int i = 0; i < model->n; i++) largest = fmax(largest, fabs(search->force[i + 1]) * model->per_rotary[i]);
     return largest;
 }
 
@@ -145,18 +159,20 @@ static double off_the_pin(const Search *search)
 {
     const Model *model = search->model;
     double *position = search->work->end_position;
+    const double *place = search->guide.position;
     model->variant->orientation(model, search->x, search->work);
+    top_motion(model, search->x, search->u, search->work);
     terminal_motion(model, search->x, search->work, position, search->work->end_velocity);
-    return size_of_pair(search->pin[0] - position[0], search->pin[1] - position[1]);
+    return size_of_pair(place[0] - position[0], place[1] - position[1]);
 }
 
 /* Where the end is to be: of an anchor of mass, where it is. */
 static void find_pin(Search *search)
 {
-    memcpy(search->pin, search->model->rest, sizeof search->pin);
+    terminal_guide(search->model, search->u, &search->guide);
     off_the_pin(search);
-    if (search->model->terminal == TERMINAL_PIN) return;
-    memcpy(search->pin, search->work->end_position, sizeof search->pin);
+    if (end_is_given(search->model)) return;
+    memcpy(search->guide.position, search->work->end_position, sizeof search->guide.position);
 }
 
 /* R through a held end as it would be if the cable were let go here. */
@@ -185,7 +201,7 @@ static Model on_a_spring(const Search *search, double length)
     model.end_mass = model.end_weight = 0.0;
     for (int k = 0; k < 2; k++) {
         model.spring[k] = spring > 0.0 ? spring : 1.0;
-        model.rest[k] = search->pin[k];
+        model.rest[k] = search->guide.position[k];
         model.preload[k] = -search->through[k];
     }
     return model;
@@ -194,7 +210,7 @@ static Model on_a_spring(const Search *search, double length)
 /* The step with so much of the inertia matrix added; false where that is not positive definite. */
 static bool find_step(Search *search, double share)
 {
-    const int half = search->model->n + 1;
+    const int half = model_coordinates(search->model);
     const double on_the_pin[2] = {0.0, 0.0};
     if (linear_factor(search->model, (Weights){1.0, 0.0, share}, search->linear) != 0) return false;
     for (int k = 0; k < half; k++) search->force[k] = -search->force[k];
@@ -212,17 +228,17 @@ static double largest_turn(const Search *search)
 
 static void trial_point(Search *search, double reach)
 {
-    const int half = search->model->n + 1;
+    const int half = model_coordinates(search->model);
     for (int k = 0; k < half; k++)
         search->trial[k] = search->x[k] + reach * search->step[k], search->trial[half + k] = 0.0;
-    if (search->is_held) pin_project(search->model, search->work, search->pin, search->trial);
+    if (search->is_held) pin_project(search->model, search->u, search->work, &search->guide, search->trial);
 }
 
 /* Change of the energy with the step, to first order [J]. */
 static double slope_of(const Search *search)
 {
     double slope = 0.0;
-    for (int k = 0; k <= search->model->n; k++) slope += search->force[k] * search->step[k];
+    for (int k = 0; k < model_coordinates(search->model); k++) slope += search->force[k] * search->step[k];
     return slope;
 }
 
@@ -257,7 +273,7 @@ static double find_reach(Search *search, bool newton)
 /* Takes the step if it lowers the energy as its slope promises, or, where that is flat to rounding, the forces. */
 static bool take_step(Search *search, double reach)
 {
-    const int half = search->model->n + 1;
+    const int half = model_coordinates(search->model);
     const double before = search->size, energy = search->energy, slope = slope_of(search);
     trial_point(search, reach);
     const double lower = potential(search, search->trial), flat = 0.5 * FLAT * (fabs(energy) + fabs(lower));
@@ -278,17 +294,19 @@ static bool take_step(Search *search, double reach)
 static void push(Search *search, int times)
 {
     uint64_t state = 0x9e3779b97f4a7c15u * (uint64_t)(times + 1);
-    memcpy(search->trial, search->x, 2u * ((size_t)search->model->n + 1u) * sizeof *search->x);
+    memcpy(search->trial, search->x, (size_t)model_states(search->model) * sizeof *search->x);
     for (int i = 1; i <= search->model->n; i++) {
         state = state * 6364136223846793005u + 1442695040888963407u; /* Knuth's generator */
         search->x[i] += PUSH * ((double)(state >> 11) * 0x1p-52 - 1.0);
     }
-    if (search->is_held) pin_project(search->model, search->work, search->pin, search->x);
+    if (search->is_held) pin_project(search->model, search->u, search->work, &search->guide, search->x);
 }
 
 static bool is_lost(const Search *search)
 {
-    return !(fabs(search->x[0]) < FAR * length_of(search->model));
+    if (top_is_given(search->model)) return false;
+    const double *top = search->work->top.position;
+    return !(fabs(top[0]) + fabs(top[1]) < FAR * length_of(search->model));
 }
 
 /* How far a step that is none of Newton's is shortened. */
@@ -336,7 +354,8 @@ static StaticsStatus descend(Search *search, double *iterations)
         look(search);
         if (!isfinite(search->energy) || !isfinite(search->size)) return STATICS_NOT_FINITE;
         if (is_lost(search) || !choose_step(search, &caution, &newton)) return STATICS_NO_BALANCE;
-        const double turn = fmax(largest_turn(search), fabs(search->step[0]));
+        const double surged = search->model->top == TOP_FREE ? fabs(search->step[search->model->n + 1]) : 0.0;
+        const double turn = fmax(largest_turn(search), fmax(fabs(search->step[0]), surged));
         const bool converged = newton && turn < CONVERGED;
         if (converged && !(turn < 0.5 * last)) return STATICS_OK;
         last = newton ? turn : HUGE_VAL;
@@ -379,7 +398,7 @@ static StaticsStatus descend_held(Search *search, double *iterations)
     search->model = held;
     search->is_held = true;
     for (int k = 0; k < 2; k++) search->through[k] = -sprung.preload[k];
-    pin_project(held, search->work, search->pin, search->x);
+    pin_project(held, search->u, search->work, &search->guide, search->x);
     const StaticsStatus status = descend(search, iterations);
     /* A cable that is straight between its ends, with a force across it, gives way without end as its pull grows. */
     return status == STATICS_OK && off_the_pin(search) > ON_THE_PIN * length ? STATICS_NO_BALANCE : status;
@@ -388,13 +407,13 @@ static StaticsStatus descend_held(Search *search, double *iterations)
 StaticsStatus statics_solve(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x,
                             double *figure)
 {
-    const int half = model->n + 1;
+    const int half = model_coordinates(model);
     Search search = search_in(model, u, work, linear, block, x);
     memset(x + half, 0, (size_t)half * sizeof *x);
     figure[STATICS_iterations] = 0.0;
     double *iterations = &figure[STATICS_iterations];
     const StaticsStatus status = search.is_held ? descend_held(&search, iterations) : descend(&search, iterations);
-    cable_derivatives(model, x, u, work, search.trial);
+    cable_derivatives(model, x, search.u, work, search.trial);
     figure[STATICS_residual] = 0.0;
     for (int k = 0; k < half; k++)
         figure[STATICS_residual] = fmax(figure[STATICS_residual], fabs(search.trial[half + k]));

@@ -16,11 +16,16 @@ typedef enum {
 /* Doubles of the block that statics_solve() works in. */
 size_t statics_doubles(int n);
 
-/* Whether statics keeps P_n where it is: on its pin, or an anchor that is held by its mass alone. */
+/* still[INPUT_COUNT]: the inputs u without the velocities and accelerations of given motions, of which an equilibrium
+ * knows nothing. */
+void statics_inputs(const double *u, double *still);
+
+/* Whether statics keeps P_n where it is: on its pin, where the inputs say, or an anchor that is held by its mass
+ * alone. */
 bool statics_holds_end(const Model *model);
 
 /*
- * From the angles and the heave in x[2 (n + 1)] to a stable equilibrium near them, under u[INPUT_COUNT]; the velocities
+ * From the angles and the top's place in x to a stable equilibrium near them, under u[INPUT_COUNT]; the velocities
  * become zero. figure[STATICS_COUNT] tells how well and how long, on failure as well.
  */
 StaticsStatus statics_solve(const Model *model, const double *u, Work *work, Linear *linear, double *block, double *x,

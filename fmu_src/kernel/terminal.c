@@ -1,11 +1,14 @@
 #include "dynamics.h"
 
-/* P_n = (0, y_m) + sum l_i e_i and its velocity (0, y_m') + sum l_i w_i n_i. */
+#include <string.h>
+
+/* P_n = P_0 + sum l_i e_i and its velocity P_0' + sum l_i w_i n_i. */
 void terminal_motion(const Model *model, const double *x, const Work *work, double position[2], double velocity[2])
 {
     const int n = model->n;
-    const double *length = model->link[LINK_LENGTH], *rate = x + n + 2;
-    double px = 0.0, py = x[0], vx = 0.0, vy = x[n + 1];
+    const double *length = model->link[LINK_LENGTH], *rate = rates_in(model, x);
+    double px = work->top.position[0], py = work->top.position[1];
+    double vx = work->top.velocity[0], vy = work->top.velocity[1];
     for (int i = 0; i < n; i++) {
         const double swing = length[i] * rate[i];
         px += length[i] * work->sine[i];
@@ -15,6 +18,15 @@ void terminal_motion(const Model *model, const double *x, const Work *work, doub
     }
     position[0] = px, position[1] = py;
     velocity[0] = vx, velocity[1] = vy;
+}
+
+/* Where an end that is given has to be, how fast, and with which acceleration; a pin stays. */
+void terminal_guide(const Model *model, const double *u, Motion *guide)
+{
+    if (model->terminal == TERMINAL_MOTION)
+        memcpy(guide, u + U_x_2, sizeof *guide);
+    else
+        *guide = (Motion){.position = {model->rest[0], model->rest[1]}};
 }
 
 /*
@@ -28,7 +40,8 @@ void terminal_force(const Model *model, const double *x, const double *u, Work *
     force[0] = u[U_F_cx];
     force[1] = u[U_F_cy] + u[U_u_m2] + model->end_weight;
     double *position = work->end_position, *velocity = work->end_velocity;
-    if (model->has_spring || model->terminal == TERMINAL_PIN) terminal_motion(model, x, work, position, velocity);
+    if (model->has_spring || end_is_given(model)) terminal_motion(model, x, work, position, velocity);
+    if (end_is_given(model)) terminal_guide(model, u, &work->guide);
     if (!model->has_spring) return;
     for (int k = 0; k < 2; k++)
         force[k] +=
@@ -36,17 +49,19 @@ void terminal_force(const Model *model, const double *x, const double *u, Work *
 }
 
 /*
- * P_n answers with R = m_c b - force: the mass in every direction. A pin takes any R, and its acceleration is given:
- * zero, were it not for the drift of whoever integrates it, which decays with Baumgarte's a = -2 r V - r^2 (P - P_pin)
- * (Comput. Methods Appl. Mech. Eng. 1 (1972) 1-16).
+ * P_n answers with R = m_c b - force: the mass in every direction. A pin, or a vessel whose motion is given, takes any R;
+ * the acceleration of P_n is theirs, were it not for the drift of whoever integrates it, which decays with Baumgarte's
+ * a = a_guide - 2 r (V - V_guide) - r^2 (P - P_guide) (Comput. Methods Appl. Mech. Eng. 1 (1972) 1-16).
  */
 void terminal_port(const Model *model, const Work *work, Port *port)
 {
-    if (model->terminal == TERMINAL_PIN) {
+    if (end_is_given(model)) {
+        const Motion *guide = &work->guide;
         double given[2];
         for (int k = 0; k < 2; k++) {
-            const double drift = work->end_position[k] - model->rest[k];
-            given[k] = -PIN_RATE * (2.0 * work->end_velocity[k] + PIN_RATE * drift);
+            const double drift = work->end_position[k] - guide->position[k];
+            const double speed = work->end_velocity[k] - guide->velocity[k];
+            given[k] = guide->acceleration[k] - PIN_RATE * (2.0 * speed + PIN_RATE * drift);
         }
         *port = (Port){.det = 1.0, .given_x = given[0], .given_y = given[1]};
         return;

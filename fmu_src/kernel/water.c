@@ -11,7 +11,7 @@ void VARIANT(link_loads)(const Model *model, const double *x, Work *work)
 {
     const int n = model->n;
     const double *weight = model->weight, *factor = model->drag_factor;
-    const double *length = model->link[LINK_LENGTH], *rate = x + n + 2;
+    const double *length = model->link[LINK_LENGTH], *rate = rates_in(model, x);
     const double *sine = work->sine, *cosine = work->cosine;
     const double *velocity_x = work->velocity_x, *velocity_y = work->velocity_y;
     double *load_x = work->load_x, *load_y = work->load_y;

@@ -10,12 +10,12 @@
 
 static size_t states_of(int n)
 {
-    return 2u * ((size_t)n + 1u);
+    return 2u * (size_t)most_coordinates(n);
 }
 
 /* NULL where there is no memory. link[LINK_COLUMNS][n] stays the caller's, to be kept as long as the kernel. */
-Kernel *kernel_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
-                   const double *link)
+Kernel *kernel_new(int n, int top, int terminal, int drag, uint64_t present, const double *parameter,
+                   const double *rest, const double *link)
 {
     Kernel *kernel = calloc(1, sizeof *kernel);
     if (!kernel) return NULL;
@@ -34,6 +34,7 @@ Kernel *kernel_new(int n, int terminal, int drag, uint64_t present, const double
     kernel->statics_block = kernel->block + before;
     Model *model = &kernel->model;
     model->n = n;
+    model->top = (Top)top;
     model->terminal = (Terminal)terminal;
     model->drag = (Drag)drag;
     model->present = present;
@@ -53,7 +54,7 @@ void kernel_free(Kernel *kernel)
     free(kernel);
 }
 
-/* derivative[2 (n + 1)] of x' = f(x, u). 0 where an angle is beyond the range of the kernel's sines. */
+/* The derivative of x' = f(x, u). 0 where an angle is beyond the range of the kernel's sines. */
 int kernel_derivatives(Kernel *kernel, const double *x, const double *u, double *derivative)
 {
     if (angle_out_of_range(&kernel->model, x)) return 0;
@@ -65,15 +66,15 @@ int kernel_derivatives(Kernel *kernel, const double *x, const double *u, double 
 int kernel_outputs(Kernel *kernel, const double *x, const double *u, double *output)
 {
     if (!kernel_derivatives(kernel, x, u, kernel->derivative)) return 0;
-    cable_outputs(&kernel->model, x, kernel->derivative, &kernel->work, output, true);
+    cable_outputs(&kernel->model, x, u, kernel->derivative, &kernel->work, output, true);
     return 1;
 }
 
-/* From q[n + 1] to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus, or -1 where an angle is
+/* From q to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus, or -1 where an angle is
  * beyond the range of the kernel's sines. */
 int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure)
 {
-    const size_t bytes = ((size_t)kernel->model.n + 1u) * sizeof *q;
+    const size_t bytes = (size_t)model_coordinates(&kernel->model) * sizeof *q;
     memcpy(kernel->x, q, bytes);
     if (angle_out_of_range(&kernel->model, kernel->x)) return -1;
     const StaticsStatus status =
@@ -83,19 +84,19 @@ int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figur
 }
 
 /*
- * Linearised about q[n + 1] at rest. force[2][n + 1]: R through every node, x then y [N]; acceleration[n + 1]: what is
+ * Linearised about q at rest. force[2][n + 1]: R through every node, x then y [N]; acceleration, as long as q: what is
  * left of it there. 0 where an angle is beyond the range of the kernel's sines.
  */
 int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration)
 {
-    const size_t half = (size_t)kernel->model.n + 1u;
+    const size_t half = (size_t)model_coordinates(&kernel->model), nodes = (size_t)kernel->model.n + 1u;
     memcpy(kernel->x, q, half * sizeof *q);
     memset(kernel->x + half, 0, half * sizeof *q);
     if (angle_out_of_range(&kernel->model, kernel->x)) return 0;
     cable_derivatives(&kernel->model, kernel->x, u, &kernel->work, kernel->derivative);
     linear_point(&kernel->model, kernel->x, &kernel->work, kernel->derivative, &kernel->linear);
-    memcpy(force, kernel->linear.force_x, half * sizeof *force);
-    memcpy(force + half, kernel->linear.force_y, half * sizeof *force);
+    memcpy(force, kernel->linear.force_x, nodes * sizeof *force);
+    memcpy(force + nodes, kernel->linear.force_y, nodes * sizeof *force);
     memcpy(acceleration, kernel->derivative + half, half * sizeof *acceleration);
     return 1;
 }
@@ -106,7 +107,7 @@ int kernel_factor(Kernel *kernel, double stiffness, double mass)
     return linear_factor(&kernel->model, (Weights){stiffness, 0.0, mass}, &kernel->linear);
 }
 
-/* (stiffness K + mass M) change = force[n + 1], a pinned end staying; through[2]: the force that it takes [N]. */
+/* (stiffness K + mass M) change = force, a pinned end staying; through[2]: the force that it takes [N]. */
 void kernel_solve(Kernel *kernel, const double *force, double *change, double *through)
 {
     const double stays[2] = {0.0, 0.0};
@@ -121,15 +122,16 @@ static void add_heavy_end(const Kernel *kernel, const double relation[2], double
     const Linear *linear = &kernel->linear;
     const double *length = kernel->model.link[LINK_LENGTH];
     const double fx = relation[0] / linear->held.per_mass, fy = relation[1] / linear->held.per_mass;
-    force[0] += fy;
+    if (!top_is_given(&kernel->model)) force[0] += fy;
+    if (kernel->model.top == TOP_FREE) force[kernel->model.n + 1] += fx;
     for (int i = 0; i < kernel->model.n; i++)
         force[i + 1] += length[i] * (linear->cosine[i] * fx - linear->sine[i] * fy);
 }
 
-/* force[n + 1] = (stiffness K + mass M) change, without factors; what a pin takes is not in it. */
+/* force = (stiffness K + mass M) change, without factors; what a pin takes is not in it. */
 void kernel_product(Kernel *kernel, double stiffness, double mass, const double *change, double *force)
 {
-    const size_t half = (size_t)kernel->model.n + 1u;
+    const size_t half = (size_t)model_coordinates(&kernel->model);
     double *q = kernel->statics_block, *a = q + half, relation[2]; /* of eight times that size */
     for (size_t k = 0; k < half; k++) q[k] = stiffness * change[k], a[k] = mass * change[k];
     linear_apply(&kernel->model, &kernel->linear, q, NULL, a, force, relation);

@@ -18,11 +18,11 @@ typedef struct {
     Work work;
     Linear linear;
     double *block, *statics_block;
-    double *x, *derivative; /* 2 (n + 1): the state of rest */
+    double *x, *derivative; /* the state of rest */
 } Kernel;
 
-VISIBLE Kernel *kernel_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
-                           const double *link);
+VISIBLE Kernel *kernel_new(int n, int top, int terminal, int drag, uint64_t present, const double *parameter,
+                           const double *rest, const double *link);
 VISIBLE void kernel_free(Kernel *kernel);
 VISIBLE int kernel_derivatives(Kernel *kernel, const double *x, const double *u, double *derivative);
 VISIBLE int kernel_outputs(Kernel *kernel, const double *x, const double *u, double *output);

@@ -15,9 +15,20 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cable", "Drag", "Floats", "Initial", "Links", "SolverChoice", "Terminal", "Whole"]
+__all__ = ["Cable", "Drag", "Floats", "Initial", "Links", "SolverChoice", "Terminal", "Top", "Whole"]
 
 Floats = NDArray[np.float64]
+
+
+class Top(StrEnum):
+    """What the cable hangs from, at the point P_0."""
+
+    FLOATER = "floater"
+    """A floater that heaves: force u_m1 in, its motion out."""
+    FREE = "free"
+    """A floater that heaves and surges: forces u_m1 and u_m1x."""
+    MOTION = "motion"
+    """A vessel that somebody else computes: its motion in, the cable's force on it out."""
 
 
 class Terminal(StrEnum):
@@ -33,6 +44,8 @@ class Terminal(StrEnum):
     """A second floater: weightless at rest, spring-dampers about the rest position, force u_m2."""
     PIN = "pin"
     """An anchor that cannot move: P_n is held at its position exactly, by whatever force that takes."""
+    MOTION = "motion"
+    """A vessel that somebody else computes: its motion in, the cable's force on it out."""
 
 
 class Drag(StrEnum):
@@ -100,13 +113,15 @@ class Cable:
     ==================================== ============================================================
     present                              names
     ==================================== ============================================================
-    always                               ``g``, ``M_1``, ``k_m1``, ``c_m1``, ``static_load``
+    always                               ``g``
+    floater at the top                   ``M_1``, ``k_m1``, ``c_m1``, ``static_load``
+    ... that surges                      ``k_m1H``, ``c_m1H``, ``static_pull`` as well
     water                                ``rho_w``
     ... drag by one common coefficient   ``Cd`` (overrides `links.drag`)
     joints all equal, not zero           ``k_joint``, ``c_joint`` (override the arrays; each by itself)
     load                                 ``m_c``; ``I_Rc`` if not zero; in water ``rho_c`` or ``V_c``
     anchor-mass                          ``m_c``
-    pin                                  none
+    pin, motion                          none
     anchor-spring                        ``m_c``; in water ``rho_c`` or ``V_c``; ``k_cH``, ``c_cH``,
                                          ``k_cV``, ``c_cV``, ``static_load_2``, ``static_pull_2``
     floater                              ``M_2`` (in m_c's place), ``k_m2V``, ``c_m2V``, ``k_m2H``,
@@ -114,7 +129,7 @@ class Cable:
     ==================================== ============================================================
 
     A parameter wins over an array that it overrides, so that ``replace(cable, parameters=...)`` is
-    the same cable with that value. `static_load` [N] acts upwards on floater 1; the terminal's
+    the same cable with that value. `static_load` [N] acts upwards on floater 1, `static_pull` towards -x; the terminal's
     springs pull it with F_x = static_pull_2 - k_H (x_c - x_0) - c_H vx_c and
     F_y = -static_load_2 - k_V (y_c - y_0) - c_V vy_c, (x_0, y_0) being `rest_position`.
     Submerged mass of the terminal: load and anchor-spring m_c - rho_w V_c, where V_c = m_c / rho_c
@@ -127,22 +142,44 @@ class Cable:
     drag: Drag
     parameters: dict[str, float]
     inputs: tuple[str, ...]
-    """Names of the force inputs [N] that exist, in the order u_m1, u_m2, F_cx, F_cy."""
+    """Names of the inputs that exist, in the order of the kernel's table: forces [N], then motions [m, m/s, m/s^2]."""
     position: Floats
-    """Start of q = (y_m, theta_1 ... theta_n), shape (n + 1,) [m, rad]"""
+    """Start of q, shape (coordinates,): (y_m, theta_1 ... theta_n) [m, rad]; behind them x_m [m] of a top that is free,
+    and without y_m where the top's motion is given"""
     velocity: Floats
-    """Start of dq/dt, shape (n + 1,) [m/s, rad/s]"""
+    """Start of dq/dt, likewise [m/s, rad/s]"""
     rest_position: tuple[float, float] = (0.0, 0.0)
-    """(x_0, y_0) of the terminal's springs, or where a pin holds it [m]; (0, 0) where there is neither."""
+    """(x_0, y_0) of the terminal's springs, where a pin holds it, or where a given motion has it at rest [m]; (0, 0) where
+    there is nothing of the kind."""
     input_start: dict[str, float] = field(default_factory=dict)
-    """Value of each input at the start [N]; 0 where it is not named."""
+    """Value of each input at the start [N; m, m/s, m/s^2]; 0 where it is not named."""
     solver: SolverChoice = SolverChoice.AUTOMATIC
     initial: Initial = Initial.SHAPE
+    top: Top = Top.FLOATER
 
     @property
     def n(self) -> int:
         """Number of links."""
         return len(self.links)
+
+    @property
+    def coordinates(self) -> int:
+        """Number of entries of q."""
+        return self.n + {Top.FLOATER: 1, Top.FREE: 2, Top.MOTION: 0}[self.top]
+
+    def padded(self, vector: Floats) -> Floats:
+        """`vector`, as long as q or as (q, dq/dt), as the kernel has it: a zero for the heave where q has none."""
+        if self.top is not Top.MOTION:
+            return vector
+        halves = np.split(vector, len(vector) // self.coordinates)
+        return np.concatenate([[0.0, *half] for half in halves])
+
+    def unpadded(self, vector: Floats) -> Floats:
+        """The inverse of `padded`."""
+        if self.top is not Top.MOTION:
+            return vector
+        halves = np.split(vector, len(vector) // (self.coordinates + 1))
+        return np.concatenate([half[1:] for half in halves])
 
     @property
     def in_water(self) -> bool:

@@ -1,7 +1,7 @@
 """The compiled kernel without an FMU: its right-hand side, statics, and a cable linearised about a state of rest.
 
-The library is named kernel and lies beside the FMU's own; it never travels in an archive. Vectors have n + 1 entries,
-the heave of floater 1 [m] and the link angles [rad], forces likewise [N], [N m]; x to the right, y down.
+The library is named kernel and lies beside the FMU's own; it never travels in an archive. Vectors are as long
+as q of `Cable`: the heave of floater 1 [m] and the link angles [rad], forces likewise [N], [N m]; x to the right, y down.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .cable import Cable, Drag, Floats, Terminal
+from .cable import Cable, Drag, Floats, Terminal, Top
 from .errors import OptionError, RunError
 from .fmu.platforms import PLATFORMS, this_platform
 from .fmu.platforms import library as library_of
@@ -29,7 +29,7 @@ _POINTER, _INT, _DOUBLE = ctypes.c_void_p, ctypes.c_int, ctypes.c_double
 _ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 BINDINGS: dict[str, tuple[Any, ...]] = {
-    "kernel_new": (_POINTER, _INT, _INT, _INT, ctypes.c_uint64, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_new": (_POINTER, _INT, _INT, _INT, _INT, ctypes.c_uint64, _ARRAY, _ARRAY, _ARRAY),
     "kernel_free": (None, _POINTER),
     "kernel_derivatives": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "kernel_outputs": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
@@ -59,7 +59,7 @@ class Search:
 
     status: StaticsStatus
     q: Floats
-    """Where it ended, shape (n + 1,) [m, rad]"""
+    """Where it ended, shape as q [m, rad]"""
     residual: float
     """Largest acceleration left there [m/s^2, rad/s^2]"""
     iterations: int
@@ -72,7 +72,7 @@ class Rest:
     forces: Floats
     """R through every node, on what is below it, shape (n + 1, 2) [N]; the last is what the terminal gives"""
     acceleration: Floats
-    """What is not balanced, shape (n + 1,) [m/s^2, rad/s^2]"""
+    """What is not balanced, shape as q [m/s^2, rad/s^2]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ class Solution:
     """Of a linear system."""
 
     change: Floats
-    """shape (n + 1,)"""
+    """shape as q"""
     through: Floats
     """The force that a pinned end takes for it, shape (2,) [N]; zeros for other ends"""
 
@@ -131,6 +131,7 @@ class KernelModel:
         self._library = library()
         self._handle = self._library.kernel_new(
             cable.n,
+            list(Top).index(cable.top),
             list(Terminal).index(cable.terminal),
             list(Drag).index(cable.drag),
             sum(1 << rows.parameters[name].slot for name in cable.parameters),
@@ -156,7 +157,7 @@ class KernelModel:
         return self._inputs(inputs)
 
     def derivatives(self, x: Floats, forces: Floats) -> Floats:
-        """Evaluate x' = f(x, u) as the FMU does, for x = (q, v) of shape (2 (n + 1),) and `forces` as above.
+        """Evaluate x' = f(x, u) as the FMU does, for x = (q, v) and `forces` as above.
 
         NaN where `x` is not finite or an angle is beyond 1.6e6 rad: an integrator's trial step that went too far.
 
@@ -165,12 +166,13 @@ class KernelModel:
         OptionError
             A wrong shape.
         """
-        derivative = np.empty(2 * (self.cable.n + 1))
-        if x.shape != derivative.shape:
-            raise OptionError(f"x: shape {derivative.shape} is expected, got {x.shape}")
-        if not self._library.kernel_derivatives(self._handle, np.ascontiguousarray(x), forces, derivative):
+        if x.shape != (2 * self.cable.coordinates,):
+            raise OptionError(f"x: shape ({2 * self.cable.coordinates},) is expected, got {x.shape}")
+        padded = self._padded(x)
+        derivative = np.empty_like(padded)
+        if not self._library.kernel_derivatives(self._handle, padded, forces, derivative):
             derivative.fill(np.nan)
-        return derivative
+        return self.cable.unpadded(derivative)
 
     def outputs(self, x: Floats, forces: Floats) -> dict[str, float]:
         """Evaluate every output by its FMI name, for x and `forces` as `derivatives` takes them.
@@ -181,14 +183,14 @@ class KernelModel:
             A wrong shape, a value that is not finite, or an angle beyond 1.6e6 rad.
         """
         values = np.zeros(len(table().outputs))
-        if x.shape != (2 * (self.cable.n + 1),) or not np.all(np.isfinite(x)):
-            raise OptionError(f"x: {2 * (self.cable.n + 1)} finite numbers are expected")
-        if not self._library.kernel_outputs(self._handle, np.ascontiguousarray(x), forces, values):
+        if x.shape != (2 * self.cable.coordinates,) or not np.all(np.isfinite(x)):
+            raise OptionError(f"x: {2 * self.cable.coordinates} finite numbers are expected")
+        if not self._library.kernel_outputs(self._handle, self._padded(x), forces, values):
             raise OptionError(_WOUND_UP)
         return dict(zip(table().outputs, values.tolist(), strict=True))
 
     def equilibrium(self, q: ArrayLike, inputs: Mapping[str, float]) -> Search:
-        """Search for a stable equilibrium near `q`, shape (n + 1,), under inputs by name [N].
+        """Search for a stable equilibrium near `q` under inputs by name [N].
 
         Raises
         ------
@@ -199,21 +201,22 @@ class KernelModel:
         status = self._library.kernel_equilibrium(self._handle, self._inputs(inputs), found, figures)
         if status < 0:
             raise OptionError(_WOUND_UP)
-        return Search(StaticsStatus(status), found, float(figures[0]), int(figures[1]))
+        return Search(StaticsStatus(status), self.cable.unpadded(found), float(figures[0]), int(figures[1]))
 
     def rest(self, q: ArrayLike, inputs: Mapping[str, float]) -> Rest:
-        """Linearise about `q`, shape (n + 1,), at rest under inputs by name [N]; what follows is about this state.
+        """Linearise about `q` at rest under inputs by name [N]; what follows is about this state.
 
         Raises
         ------
         OptionError
             A wrong shape, a value that is not finite, or an angle beyond 1.6e6 rad.
         """
-        force, acceleration = np.zeros((2, self.cable.n + 1)), np.zeros(self.cable.n + 1)
-        arrays = self._inputs(inputs), self._vector("q", q)
+        padded = self._vector("q", q)
+        force, acceleration = np.zeros((2, self.cable.n + 1)), np.zeros_like(padded)
+        arrays = self._inputs(inputs), padded
         if not self._library.kernel_rest(self._handle, *arrays, force, acceleration):
             raise OptionError(_WOUND_UP)
-        return Rest(force.T.copy(), acceleration)
+        return Rest(force.T.copy(), self.cable.unpadded(acceleration))
 
     def factor(self, *, stiffness: float, mass: float) -> int:
         """Factorise stiffness K + mass M in O(n); how many eigenvalues are negative, or -1 where it is singular.
@@ -230,36 +233,41 @@ class KernelModel:
         OptionError
             A wrong shape, or a value that is not finite.
         """
-        change, through = np.zeros(self.cable.n + 1), np.zeros(2)
-        self._library.kernel_solve(self._handle, self._vector("force", force), change, through)
-        return Solution(change, through)
+        padded = self._vector("force", force)
+        change, through = np.zeros_like(padded), np.zeros(2)
+        self._library.kernel_solve(self._handle, padded, change, through)
+        return Solution(self.cable.unpadded(change), through)
 
     def product(self, change: ArrayLike, *, stiffness: float, mass: float) -> Floats:
-        """(stiffness K + mass M) change, shape (n + 1,), in O(n); what a pinned end takes is not in it.
+        """(stiffness K + mass M) change in O(n); what a pinned end takes is not in it.
 
         Raises
         ------
         OptionError
             A wrong shape, or a value that is not finite.
         """
-        force = np.zeros(self.cable.n + 1)
-        self._library.kernel_product(self._handle, stiffness, mass, self._vector("change", change), force)
-        return force
+        padded = self._vector("change", change)
+        force = np.zeros_like(padded)
+        self._library.kernel_product(self._handle, stiffness, mass, padded, force)
+        return self.cable.unpadded(force)
 
     def _vector(self, name: str, given: ArrayLike) -> Floats:
         vector = np.ascontiguousarray(given, dtype=np.float64)
-        if vector.shape != (self.cable.n + 1,):
-            raise OptionError(f"{name}: shape ({self.cable.n + 1},) is expected, got {vector.shape}")
+        if vector.shape != (self.cable.coordinates,):
+            raise OptionError(f"{name}: shape ({self.cable.coordinates},) is expected, got {vector.shape}")
         if not np.all(np.isfinite(vector)):
             raise OptionError(f"{name}: finite numbers are expected")
-        return vector
+        return self._padded(vector)
+
+    def _padded(self, vector: Floats) -> Floats:
+        return np.ascontiguousarray(self.cable.padded(vector))
 
     def _inputs(self, inputs: Mapping[str, float]) -> Floats:
-        """One slot for every input that any scene may have [N]."""
+        """One slot for every input that any scene may have."""
         for name, force in inputs.items():
             if name not in self.cable.inputs:
                 allowed = ", ".join(self.cable.inputs) or "none"
                 raise OptionError(f"input {name}: this cable has no such input; it has {allowed}")
             if not np.isfinite(force):
-                raise OptionError(f"input {name} = {force}: a finite number [N] is expected")
+                raise OptionError(f"input {name} = {force}: a finite number is expected")
         return np.array([inputs.get(name, 0.0) for name in table().inputs], dtype=np.float64)

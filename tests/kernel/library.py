@@ -20,7 +20,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cablefmu.cable import Cable, Drag, Floats, SolverChoice, Terminal
+from cablefmu.cable import Cable, Drag, Floats, SolverChoice, Terminal, Top
 from cablefmu.fmu.table import table
 
 __all__ = [
@@ -48,7 +48,7 @@ _POINTER, _INT, _DOUBLE, _SIZE = ctypes.c_void_p, ctypes.c_int, ctypes.c_double,
 _ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 BINDINGS: dict[str, tuple[Any, ...]] = {
-    "probe_new": (_POINTER, _INT, _INT, _INT, ctypes.c_uint64, _ARRAY, _ARRAY, _ARRAY),
+    "probe_new": (_POINTER, _INT, _INT, _INT, _INT, ctypes.c_uint64, _ARRAY, _ARRAY, _ARRAY),
     "probe_free": (None, _POINTER),
     "probe_constants": (_SIZE, _POINTER, _POINTER),
     "probe_spoil_scratch": (None, _POINTER),
@@ -56,7 +56,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "probe_derivatives": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "probe_repeat": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
     "probe_repeat_core": (None, _POINTER, _ARRAY, _ARRAY, _ARRAY, _INT),
-    "probe_outputs": (None, _POINTER, _ARRAY, _POINTER, _ARRAY),
+    "probe_outputs": (None, _POINTER, _ARRAY, _ARRAY, _POINTER, _ARRAY),
     "probe_directional": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_adjoint": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "probe_linear": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
@@ -177,6 +177,7 @@ class Kernel:
         self._library = library
         self._handle = library.probe_new(
             cable.n,
+            list(Top).index(cable.top),
             list(Terminal).index(cable.terminal),
             list(Drag).index(cable.drag),
             sum(1 << rows.parameters[name].slot for name in cable.parameters),
@@ -194,11 +195,16 @@ class Kernel:
         """Choose the compiled variant; whether the one for AVX2 is in use afterwards."""
         return bool(self._library.probe_use_avx2(self._handle, wanted))
 
+    def padded(self, vector: Floats) -> Floats:
+        """As the kernel has it: with a zero for the heave where the top's motion is given."""
+        return np.ascontiguousarray(self.cable.padded(vector))
+
     def derivatives(self, x: Floats, u: Floats) -> Floats:
-        """(q', v') of x = (q, v), shape (2 (n + 1),), for u as `inputs_of` makes it."""
-        derivative = np.full(2 * (self.cable.n + 1), np.nan)
+        """(q', v') of x = (q, v) for u as `inputs_of` makes it."""
+        x = self.padded(x)
+        derivative = np.full_like(x, np.nan)
         self._library.probe_derivatives(self._handle, x, u, derivative)
-        return derivative
+        return self.cable.unpadded(derivative)
 
     def repeat(self, x: Floats, u: Floats, times: int) -> None:
         """That many evaluations in a row, to be timed; moves `x` a little."""
@@ -209,42 +215,48 @@ class Kernel:
         self._library.probe_repeat_core(self._handle, x, u, np.empty_like(x), times)
 
     def acceleration(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
-        """x'', shape (n + 1,) [m/s^2, rad/s^2]."""
-        return self.derivatives(np.concatenate([q, v]), inputs_of(inputs))[self.cable.n + 1 :]
+        """x'', as long as q [m/s^2, rad/s^2]."""
+        return self.derivatives(np.concatenate([q, v]), inputs_of(inputs))[self.cable.coordinates :]
 
     def outputs(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> dict[str, float]:
         """Every output by name."""
         x = np.concatenate([q, v])
-        derivative = self.derivatives(x, inputs_of(inputs))
-        return self._outputs(x, derivative.ctypes.data)
+        derivative = self.padded(self.derivatives(x, inputs_of(inputs)))
+        return self._outputs(x, inputs_of(inputs), derivative.ctypes.data)
 
-    def outputs_without_tensions(self, q: Floats, v: Floats) -> dict[str, float]:
+    def outputs_without_tensions(
+        self, q: Floats, v: Floats, inputs: Mapping[str, float] | None = None
+    ) -> dict[str, float]:
         """The outputs that need no accelerations; NaN for the others."""
         self.spoil_scratch()
-        return self._outputs(np.concatenate([q, v]), None)
+        return self._outputs(np.concatenate([q, v]), inputs_of(inputs or {}), None)
 
     def directional(self, x: Floats, u: Floats, dx: Floats, du: Floats) -> tuple[Floats, dict[str, float]] | None:
-        """Change of the derivatives, shape (2 (n + 1),), and of every output, with (dx, du); None where singular."""
+        """Change of the derivatives, as long as x, and of every output, with (dx, du); None where singular."""
+        x, dx = self.padded(x), self.padded(dx)
         derivative, change, output = np.empty_like(x), np.empty_like(x), np.full(len(table().outputs), np.nan)
         if not self._library.probe_directional(self._handle, x, u, dx, du, derivative, change, output):
             return None
-        return change, dict(zip(table().outputs, output.tolist(), strict=True))
+        return self.cable.unpadded(change), dict(zip(table().outputs, output.tolist(), strict=True))
 
     def adjoint(
         self, x: Floats, u: Floats, seed: Floats, output_seed: Mapping[str, float]
     ) -> tuple[Floats, dict[str, float]] | None:
-        """What a weighted sum of derivatives and outputs changes by with every state, (2 (n + 1),), and every input."""
+        """What a weighted sum of derivatives and outputs changes by with every state and every input."""
+        x, seed = self.padded(x), self.padded(seed)
         derivative, to_state, to_input = np.empty_like(x), np.full_like(x, np.nan), np.full(len(table().inputs), np.nan)
         seeds = np.array([output_seed.get(name, 0.0) for name in table().outputs])
         if not self._library.probe_adjoint(self._handle, x, u, seed, seeds, derivative, to_state, to_input):
             return None
-        return to_state, dict(zip(table().inputs, to_input.tolist(), strict=True))
+        return self.cable.unpadded(to_state), dict(zip(table().inputs, to_input.tolist(), strict=True))
 
     def linear(self, x: Floats, u: Floats, weights: Floats, force: Floats, end: Floats) -> Solved | None:
         """Solve L change = force, the relation at a held end being off by `end`; None where there are no factors."""
+        x, force = self.padded(x), self.padded(force)
         change, back, found, through = np.empty_like(force), np.empty_like(force), end.copy(), np.empty(2)
         negative = self._library.probe_linear(self._handle, x, u, weights, force, found, change, back, through)
-        return Solved(negative, change, back, found, through) if negative >= 0 else None
+        strip = self.cable.unpadded
+        return Solved(negative, strip(change), strip(back), found, through) if negative >= 0 else None
 
     def repeat_linear(self, what: int, weights: Floats, force: Floats, times: int) -> None:
         """That many factorisations (1), solutions (2) or products (3) about the last point, to be timed."""
@@ -252,10 +264,10 @@ class Kernel:
 
     def equilibrium(self, q: Floats, inputs: Mapping[str, float]) -> tuple[int, Floats, float, int]:
         """Status, q of the equilibrium near `q`, residual acceleration and iterations of the search."""
-        found, figure = q.copy(), np.zeros(2)
+        found, figure = self.padded(q).copy(), np.zeros(2)
         kernel = self._library.probe_kernel(self._handle)
         status = self._library.kernel_equilibrium(kernel, inputs_of(inputs), found, figure)
-        return status, found, figure[0], int(figure[1])
+        return status, self.cable.unpadded(found), figure[0], int(figure[1])
 
     def constants(self) -> Floats:
         """A copy of the model's parameters and derived arrays."""
@@ -275,12 +287,12 @@ class Kernel:
         self, time: float, q: Floats, v: Floats, *, tolerance: float, solver: SolverChoice = SolverChoice.EXPLICIT
     ) -> None:
         """Set the solver to a state at a time [s], with nothing remembered."""
-        self._time, self._x = ctypes.c_double(time), np.concatenate([q, v])
+        self._time, self._x = ctypes.c_double(time), self.padded(np.concatenate([q, v]))
         self._library.probe_restart(self._handle, tolerance, list(SolverChoice).index(solver))
 
     def forget(self, time: float, q: Floats, v: Floats) -> None:
         """Another state at a time [s], for a solver that goes on with its settings and counters and nothing else."""
-        self._time, self._x = ctypes.c_double(time), np.concatenate([q, v])
+        self._time, self._x = ctypes.c_double(time), self.padded(np.concatenate([q, v]))
         self._library.probe_forget(self._handle)
 
     def advance(self, end: float, waves: Mapping[str, Wave]) -> Run:
@@ -289,9 +301,9 @@ class Kernel:
         time, x = self._time, self._x
         status = self._library.probe_advance(self._handle, ctypes.byref(time), end, x, signals, counter)
         names = (name.removeprefix("solver.") for name in table().solver)
-        half = self.cable.n + 1
+        own, half = self.cable.unpadded(x), self.cable.coordinates
         counters = dict(zip(names, counter.tolist(), strict=True))
-        return Run(_STATUS[status], time.value, x[:half].copy(), x[half:].copy(), counters)
+        return Run(_STATUS[status], time.value, own[:half].copy(), own[half:].copy(), counters)
 
     def run(
         self,
@@ -331,9 +343,9 @@ class Kernel:
         )
         return x, between, error
 
-    def _outputs(self, x: Floats, derivative: int | None) -> dict[str, float]:
+    def _outputs(self, x: Floats, u: Floats, derivative: int | None) -> dict[str, float]:
         output = np.full(len(table().outputs), np.nan)
-        self._library.probe_outputs(self._handle, x, derivative, output)
+        self._library.probe_outputs(self._handle, self.padded(x), u, derivative, output)
         return dict(zip(table().outputs, output.tolist(), strict=True))
 
 

@@ -34,12 +34,12 @@ void probe_free(Probe *probe)
 }
 
 /* The link arrays stay the caller's: link[LINK_COLUMNS][n], to be kept as long as the probe. */
-Probe *probe_new(int n, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
+Probe *probe_new(int n, int top, int terminal, int drag, uint64_t present, const double *parameter, const double *rest,
                  const double *link)
 {
     Probe *probe = calloc(1, sizeof *probe);
     if (!probe) return NULL;
-    probe->kernel = kernel_new(n, terminal, drag, present, parameter, rest, link);
+    probe->kernel = kernel_new(n, top, terminal, drag, present, parameter, rest, link);
     probe->stages = calloc(solver_doubles(n), sizeof(double));
     if (!probe->kernel || !probe->stages) {
         probe_free(probe);
@@ -80,6 +80,8 @@ void probe_spoil_scratch(Probe *probe)
         for (int i = 0; i < STRIP_ROOM; i++) strip[k][i] = NAN;
     for (int k = 0; k < 2; k++)
         probe->work->end_force[k] = probe->work->end_position[k] = probe->work->end_velocity[k] = NAN;
+    Motion *const motion[] = {&work->top, &work->guide};
+    for (int k = 0; k < 2; k++) *motion[k] = (Motion){{NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
 }
 
 /* The same of the solver's vectors and the factors, before a start. */
@@ -164,7 +166,7 @@ void probe_repeat_core(Probe *probe, double *x, const double *u, double *derivat
 {
     Model *model = probe->model;
     Work *work = probe->work;
-    double *acceleration = derivative + model->n + 1;
+    double *acceleration = derivative + model_coordinates(model);
     for (int k = 0; k < times; k++) {
 #if defined(__x86_64__)
         if (model->variant == &AVX2) {
@@ -181,9 +183,9 @@ void probe_repeat_core(Probe *probe, double *x, const double *u, double *derivat
 }
 
 /* With derivative == NULL the outputs that need no derivatives; else after probe_derivatives() of the same x. */
-void probe_outputs(Probe *probe, const double *x, const double *derivative, double *output)
+void probe_outputs(Probe *probe, const double *x, const double *u, const double *derivative, double *output)
 {
-    cable_outputs(probe->model, x, derivative, probe->work, output, derivative != NULL);
+    cable_outputs(probe->model, x, u, derivative, probe->work, output, derivative != NULL);
 }
 
 /* Directional derivatives of right-hand side and outputs at (x, u); 0 where there are none. */
@@ -212,7 +214,7 @@ int probe_adjoint(Probe *probe, const double *x, const double *u, const double *
 int probe_linear(Probe *probe, const double *x, const double *u, const double *weights, const double *force,
                  double *end, double *change, double *back, double *through)
 {
-    const int half = probe->model->n + 1;
+    const int half = model_coordinates(probe->model);
     double *derivative = probe->stages, *dq = derivative + 2 * half, *dv = dq + half, *da = dv + half;
     Linear *linear = probe->linear;
     cable_derivatives(probe->model, x, u, probe->work, derivative);
@@ -288,7 +290,7 @@ double probe_implicit_steps(Probe *probe, double t, double h, int steps, int sti
     Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
     const System system = {probe->model, probe->work, probe->linear, waves_at, &source, false, NULL};
     SolverMemory *memory = &probe->memory;
-    const size_t count = 2u * ((size_t)probe->model->n + 1u);
+    const size_t count = (size_t)model_states(probe->model);
     double *next = probe->stages, error = NAN;
     Vectors vectors;
     double **const all[] = {&vectors.slope, &vectors.trial,   &vectors.right_side, &vectors.force,
@@ -321,8 +323,9 @@ int probe_advance(Probe *probe, double *t, double t_end, double *x, const double
     for (int k = 0; k < INPUT_COUNT; k++) rest &= waves[INPUT_COUNT + k] == 0.0;
     const System system = {probe->model, probe->work, probe->linear, waves_at, &source, rest, NULL};
     const SolverStatus status = solver_advance(&system, &probe->memory, probe->stages, t, t_end, x);
-    double output[OUTPUT_COUNT];
-    cable_outputs(probe->model, x, NULL, probe->work, output, false);
+    double output[OUTPUT_COUNT], u[INPUT_COUNT];
+    waves_at(&source, *t, u);
+    cable_outputs(probe->model, x, u, NULL, probe->work, output, false);
     probe->memory.counter[SOLVER_energy_residual] = solver_energy_residual(&probe->memory, output[Y_energy]);
     memcpy(counter, probe->memory.counter, sizeof probe->memory.counter);
     return (int)status;

@@ -7,7 +7,7 @@ import struct
 
 import numpy as np
 
-from ..cable import Cable, Drag, Floats, Initial, SolverChoice, Terminal, Whole
+from ..cable import Cable, Drag, Floats, Initial, SolverChoice, Terminal, Top, Whole
 from .table import table
 from .variables import Variable
 
@@ -15,7 +15,7 @@ __all__ = ["RESOURCE_NAME", "resource_bytes", "token_of"]
 
 RESOURCE_NAME = "cable.bin"
 _MAGIC = b"CABLEFMU"
-_VERSION = 3
+_VERSION = 4
 
 
 def resource_bytes(cable: Cable, variables: list[Variable], whole: Whole | None = None) -> bytes:
@@ -35,11 +35,12 @@ def resource_bytes(cable: Cable, variables: list[Variable], whole: Whole | None 
     rows = table()
     present = sum(1 << rows.parameters[name].slot for name in cable.parameters)
     header = _MAGIC + struct.pack(
-        "<IIIIQIIIIIIII",
+        "<IIIIQIIIIIIIIII",
         _VERSION, cable.n, list(Terminal).index(cable.terminal), list(Drag).index(cable.drag), present,
         len(rows.parameters), len(rows.inputs), len(rows.outputs), len(variables),
         list(SolverChoice).index(cable.solver), list(Initial).index(cable.initial),
         _shape(whole), len(rows.whole) if whole else 0,
+        list(Top).index(cable.top), 0,
     )  # fmt: skip
     doubles = [
         [cable.parameters.get(name, 0.0) for name in rows.parameters],
@@ -64,7 +65,7 @@ def _listed(cable: Cable) -> list[Floats]:
     return [
         links.length, links.mass, links.inertia, links.volume,
         links.joint_stiffness, links.joint_damping, links.drag_area, links.drag,
-        cable.position, cable.velocity,
+        cable.padded(cable.position), cable.padded(cable.velocity),
     ]  # fmt: skip
 
 
