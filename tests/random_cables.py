@@ -100,7 +100,7 @@ def random_state(rng: np.random.Generator, cable: Cable) -> tuple[Floats, Floats
 
 
 def random_inputs(rng: np.random.Generator, cable: Cable) -> dict[str, float]:
-    """Every input that the cable has: forces up to 1 kN, an end's motion up to 2 m about its rest, 2 m/s and 2 m/s^2."""
+    """Every input: forces up to 1 kN, an end's motion up to 2 m about its rest, 2 m/s and 2 m/s^2."""
     return {name: _random_input(rng, name, cable.rest_position) for name in cable.inputs}
 
 
