@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from cablefmu.cable import Cable, Drag, Floats, Links, Terminal
+from cablefmu.cable import Cable, Drag, Floats, Links, Terminal, Top
 
-__all__ = ["KINDS", "random_cable", "random_inputs", "random_state"]
+__all__ = ["KINDS", "PORTS", "TERMINALS", "random_cable", "random_inputs", "random_state"]
 
-KINDS = [
-    (terminal, water, drag)
+TERMINALS = tuple(terminal for terminal in Terminal if terminal is not Terminal.MOTION)
+"""Those whose motion is not given."""
+_SURROUNDINGS = [(False, Drag.NONE), *((True, drag) for drag in (Drag.COEFFICIENT, Drag.PER_LINK, Drag.NONE))]
+KINDS = [(terminal, water, drag) for terminal in TERMINALS for water, drag in _SURROUNDINGS]
+"""Every (terminal, water, drag) under a floater that heaves and does nothing else."""
+PORTS = [
+    (top, terminal, water, drag)
+    for top in Top
     for terminal in Terminal
-    for water in (False, True)
-    for drag in ((Drag.COEFFICIENT, Drag.PER_LINK, Drag.NONE) if water else (Drag.NONE,))
+    for water, drag in _SURROUNDINGS
+    if top is not Top.FLOATER or terminal not in TERMINALS
 ]
-"""Every (terminal, water, drag) that a scene can have."""
+"""Every (top, terminal, water, drag) beyond these: a top that is free, or an end whose motion is given."""
 
 
 def random_cable(
@@ -23,6 +29,7 @@ def random_cable(
     terminal: Terminal,
     water: bool,
     *,
+    top: Top = Top.FLOATER,
     drag: Drag | None = None,
     uneven: bool = True,
 ) -> Cable:
@@ -30,7 +37,7 @@ def random_cable(
 
     Parameters
     ----------
-    terminal, water, drag
+    terminal, water, top, drag
         The kind; drag is by coefficient in water and none in air unless given.
     uneven
         Links differ in everything, and each of k_joint, c_joint, Cd is a common value (a parameter)
@@ -39,21 +46,31 @@ def random_cable(
     kind = drag if drag is not None else (Drag.COEFFICIENT if water else Drag.NONE)
     if not water and kind is not Drag.NONE:
         raise ValueError("a cable in air has no drag")
-    parameters = {
-        "g": 9.81,
+    parameters = {"g": 9.81}
+    floater = {
         "M_1": _spread(rng, 100.0, 1e4),
         "k_m1": _spread(rng, 100.0, 1e4),
         "c_m1": _spread(rng, 10.0, 1e3),
         "static_load": rng.uniform(0.0, 5e3),
     }
+    if top is Top.FREE:
+        floater |= {
+            "k_m1H": _spread(rng, 100.0, 1e4),
+            "c_m1H": _spread(rng, 10.0, 1e3),
+            "static_pull": rng.uniform(-2e3, 2e3),
+        }
+    if top is not Top.MOTION:
+        parameters |= floater
     if water:
         parameters["rho_w"] = rng.uniform(990.0, 1030.0)
     links = _random_links(rng, n, kind, water, uneven, parameters)
     parameters |= _random_terminal(rng, terminal, water)
     reach, angle = links.length.sum(), rng.uniform(-1.0, 1.0)
-    placed = terminal in (Terminal.ANCHOR_SPRING, Terminal.FLOATER, Terminal.PIN)
-    shape = np.concatenate([[0.0], np.full(n, angle)])
-    inputs = _INPUTS[terminal] if rng.random() < 0.5 else _INPUTS[terminal] + _OPTIONAL_INPUTS[terminal]
+    placed = terminal in (Terminal.ANCHOR_SPRING, Terminal.FLOATER, Terminal.PIN, Terminal.MOTION)
+    rest = (float(reach * np.sin(angle)), float(reach * np.cos(angle))) if placed else (0.0, 0.0)
+    shape = np.concatenate([[0.0], np.full(n, angle), [0.0]])[_own(top)]
+    at_end = _INPUTS[terminal] if rng.random() < 0.5 else _INPUTS[terminal] + _OPTIONAL_INPUTS[terminal]
+    inputs = _inputs(top, terminal, at_end)
     return Cable(
         name=f"random-{terminal}-{n}",
         links=links,
@@ -61,34 +78,62 @@ def random_cable(
         drag=kind,
         parameters=parameters,
         inputs=inputs,
-        position=shape + 0.1 * rng.uniform(-1.0, 1.0, n + 1),
-        velocity=0.1 * rng.uniform(-1.0, 1.0, n + 1),
-        rest_position=(float(reach * np.sin(angle)), float(reach * np.cos(angle))) if placed else (0.0, 0.0),
-        input_start={inputs[0]: rng.uniform(-1e3, 1e3)},
+        position=shape + 0.1 * rng.uniform(-1.0, 1.0, len(shape)),
+        velocity=0.1 * rng.uniform(-1.0, 1.0, len(shape)),
+        rest_position=rest,
+        input_start={name: _random_input(rng, name, rest) for name in inputs[:1]},
+        top=top,
     )
 
 
 def random_state(rng: np.random.Generator, cable: Cable) -> tuple[Floats, Floats]:
-    """(q, v) anywhere: every angle up to half a turn, rates up to 1 rad/s, 2 m and 2 m/s of heave.
+    """(q, v) anywhere: every angle up to half a turn, rates up to 1 rad/s, 2 m and 2 m/s of heave and of surge.
 
     A pin may be far from P_n: the equation of motion holds off the constraint as well.
     """
-    q = np.concatenate([[rng.uniform(-2.0, 2.0)], rng.uniform(-np.pi, np.pi, cable.n)])
-    v = np.concatenate([[rng.uniform(-2.0, 2.0)], rng.uniform(-1.0, 1.0, cable.n)])
-    return q, v
+
+    def draw(angle: float) -> Floats:
+        heave, angles = rng.uniform(-2.0, 2.0, int(cable.top is not Top.MOTION)), rng.uniform(-angle, angle, cable.n)
+        return np.concatenate([heave, angles, rng.uniform(-2.0, 2.0, int(cable.top is Top.FREE))])
+
+    return draw(np.pi), draw(1.0)
 
 
 def random_inputs(rng: np.random.Generator, cable: Cable) -> dict[str, float]:
-    """A force up to 1 kN on every input that the cable has [N]."""
-    return {name: rng.uniform(-1e3, 1e3) for name in cable.inputs}
+    """Every input: forces up to 1 kN, an end's motion up to 2 m about its rest, 2 m/s and 2 m/s^2."""
+    return {name: _random_input(rng, name, cable.rest_position) for name in cable.inputs}
+
+
+def _random_input(rng: np.random.Generator, name: str, rest: tuple[float, float]) -> float:
+    """Of x_2 and y_2 about `rest`."""
+    if name[-2:] not in ("_1", "_2"):
+        return rng.uniform(-1e3, 1e3)
+    return rng.uniform(-2.0, 2.0) + (rest["xy".index(name[0])] if name in ("x_2", "y_2") else 0.0)
+
+
+def _own(top: Top) -> slice:
+    """Which of (y_m, theta, x_m) are coordinates."""
+    return {Top.FLOATER: slice(0, -1), Top.FREE: slice(None), Top.MOTION: slice(1, -1)}[top]
+
+
+def _inputs(top: Top, terminal: Terminal, at_end: tuple[str, ...]) -> tuple[str, ...]:
+    """All inputs in their order, `at_end` being the forces at the terminal."""
+
+    def motion(port: int) -> tuple[str, ...]:
+        return tuple(f"{kind}{axis}_{port}" for kind in ("", "v", "a") for axis in "xy")
+
+    heaved: tuple[str, ...] = () if top is Top.MOTION else ("u_m1",)
+    moved = {Top.FLOATER: (), Top.FREE: ("u_m1x",), Top.MOTION: motion(1)}[top]
+    return (*heaved, *at_end, *moved, *(motion(2) if terminal is Terminal.MOTION else ()))
 
 
 _INPUTS: dict[Terminal, tuple[str, ...]] = {
-    Terminal.LOAD: ("u_m1", "F_cx", "F_cy"),
-    Terminal.ANCHOR_MASS: ("u_m1",),
-    Terminal.ANCHOR_SPRING: ("u_m1",),
-    Terminal.FLOATER: ("u_m1", "u_m2"),
-    Terminal.PIN: ("u_m1",),
+    Terminal.LOAD: ("F_cx", "F_cy"),
+    Terminal.ANCHOR_MASS: (),
+    Terminal.ANCHOR_SPRING: (),
+    Terminal.FLOATER: ("u_m2",),
+    Terminal.PIN: (),
+    Terminal.MOTION: (),
 }
 _OPTIONAL_INPUTS: dict[Terminal, tuple[str, ...]] = {
     Terminal.LOAD: (),
@@ -96,6 +141,7 @@ _OPTIONAL_INPUTS: dict[Terminal, tuple[str, ...]] = {
     Terminal.ANCHOR_SPRING: (),
     Terminal.FLOATER: ("F_cx",),
     Terminal.PIN: (),
+    Terminal.MOTION: (),
 }
 
 
@@ -138,8 +184,8 @@ def _random_links(
 
 
 def _random_terminal(rng: np.random.Generator, terminal: Terminal, water: bool) -> dict[str, float]:
-    """The terminal's parameters: none of a pin, else a mass of 10 kg to 10 t, and what else its kind has."""
-    if terminal is Terminal.PIN:
+    """The terminal's parameters: none where it is held, else a mass of 10 kg to 10 t, and what else its kind has."""
+    if terminal in (Terminal.PIN, Terminal.MOTION):
         return {}
     mass = _spread(rng, 10.0, 1e4)
     if terminal is Terminal.FLOATER:

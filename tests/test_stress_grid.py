@@ -14,6 +14,7 @@ from cablefmu.errors import SceneError
 from cablefmu.scene import Scene, load_scene, shipped_scenes
 from cablefmu.signals import Constant, Sine, Steps
 from cablefmu.stress_grid import Case, grid, grid_from
+from tests.random_cables import TERMINALS
 
 
 @cache
@@ -101,7 +102,7 @@ def test_every_shipped_scene_is_in_it_as_it_ships() -> None:
 def test_every_terminal_every_start_and_both_versions_are_in_it() -> None:
     cases, made = zip(*scenes().values(), strict=True)
     assert {(scene.cable.terminal, scene.cable.initial) for scene in made} == {
-        (terminal, initial) for terminal in Terminal for initial in Initial
+        (terminal, initial) for terminal in TERMINALS for initial in Initial
     }
     assert {case.fmi for case in cases} == {2, 3}
     assert min(sum(case.fmi == version for case in cases) for version in (2, 3)) >= 40

@@ -21,14 +21,14 @@ Floats = NDArray[np.float64]
 
 
 class Top(StrEnum):
-    """What the cable hangs from, at the point P_0."""
+    """What holds the upper end of the cable, the point P_0."""
 
     FLOATER = "floater"
-    """A floater that heaves: force u_m1 in, its motion out."""
+    """A floater that heaves: force u_m1 in, motion out."""
     FREE = "free"
-    """A floater that heaves and surges: forces u_m1 and u_m1x."""
+    """A floater that heaves and surges: forces u_m1 and u_m1x in, motion out."""
     MOTION = "motion"
-    """A vessel that somebody else computes: its motion in, the cable's force on it out."""
+    """P_0 follows a given motion, the vessel's, which owns the mass: motion in, force F_1 on the vessel out."""
 
 
 class Terminal(StrEnum):
@@ -45,7 +45,7 @@ class Terminal(StrEnum):
     PIN = "pin"
     """An anchor that cannot move: P_n is held at its position exactly, by whatever force that takes."""
     MOTION = "motion"
-    """A vessel that somebody else computes: its motion in, the cable's force on it out."""
+    """P_n follows a given motion, that of another vessel: motion in, force F_2 on that vessel out."""
 
 
 class Drag(StrEnum):
@@ -114,14 +114,14 @@ class Cable:
     present                              names
     ==================================== ============================================================
     always                               ``g``
-    floater at the top                   ``M_1``, ``k_m1``, ``c_m1``, ``static_load``
-    ... that surges                      ``k_m1H``, ``c_m1H``, ``static_pull`` as well
+    top floater or free                  ``M_1``, ``k_m1``, ``c_m1``, ``static_load``
+    top free                             ``k_m1H``, ``c_m1H``, ``static_pull``
     water                                ``rho_w``
     ... drag by one common coefficient   ``Cd`` (overrides `links.drag`)
     joints all equal, not zero           ``k_joint``, ``c_joint`` (override the arrays; each by itself)
     load                                 ``m_c``; ``I_Rc`` if not zero; in water ``rho_c`` or ``V_c``
     anchor-mass                          ``m_c``
-    pin, motion                          none
+    pin, motion (either end)             none
     anchor-spring                        ``m_c``; in water ``rho_c`` or ``V_c``; ``k_cH``, ``c_cH``,
                                          ``k_cV``, ``c_cV``, ``static_load_2``, ``static_pull_2``
     floater                              ``M_2`` (in m_c's place), ``k_m2V``, ``c_m2V``, ``k_m2H``,
@@ -129,8 +129,9 @@ class Cable:
     ==================================== ============================================================
 
     A parameter wins over an array that it overrides, so that ``replace(cable, parameters=...)`` is
-    the same cable with that value. `static_load` [N] acts upwards on floater 1, `static_pull` towards -x; the terminal's
-    springs pull it with F_x = static_pull_2 - k_H (x_c - x_0) - c_H vx_c and
+    the same cable with that value. `static_load` [N] acts upwards on floater 1, `static_pull` [N]
+    towards -x if it is free: it is pulled with F_x = -static_pull - k_m1H x_m - c_m1H vx_m, and the
+    terminal's springs pull that with F_x = static_pull_2 - k_H (x_c - x_0) - c_H vx_c and
     F_y = -static_load_2 - k_V (y_c - y_0) - c_V vy_c, (x_0, y_0) being `rest_position`.
     Submerged mass of the terminal: load and anchor-spring m_c - rho_w V_c, where V_c = m_c / rho_c
     if a density is given (in air m_c); anchor-mass and floater 0.
@@ -142,17 +143,18 @@ class Cable:
     drag: Drag
     parameters: dict[str, float]
     inputs: tuple[str, ...]
-    """Names of the inputs that exist, in the order of the kernel's table: forces [N], then motions [m, m/s, m/s^2]."""
+    """Names of the inputs that exist, in the order u_m1, u_m2, F_cx, F_cy, u_m1x [N], and of each end p = 1, 2 whose
+    motion is given x_p, y_p [m], vx_p, vy_p [m/s], ax_p, ay_p [m/s^2]."""
     position: Floats
-    """Start of q, shape (coordinates,): (y_m, theta_1 ... theta_n) [m, rad]; behind them x_m [m] of a top that is free,
-    and without y_m where the top's motion is given"""
+    """Start of q, shape (coordinates,) [m, rad]: (y_m, theta_1 ... theta_n) under a floater that heaves, and behind
+    these x_m if it is free; (theta_1 ... theta_n) where the top's motion is given."""
     velocity: Floats
     """Start of dq/dt, likewise [m/s, rad/s]"""
     rest_position: tuple[float, float] = (0.0, 0.0)
-    """(x_0, y_0) of the terminal's springs, where a pin holds it, or where a given motion has it at rest [m]; (0, 0) where
-    there is nothing of the kind."""
+    """(x_0, y_0) of the terminal's springs, where a pin holds it, or where a given motion has it at rest [m];
+    (0, 0) where there is none of them."""
     input_start: dict[str, float] = field(default_factory=dict)
-    """Value of each input at the start [N; m, m/s, m/s^2]; 0 where it is not named."""
+    """Value of each input at the start [N, m, m/s, m/s^2]; where it is not named 0, of x_2 and y_2 `rest_position`."""
     solver: SolverChoice = SolverChoice.AUTOMATIC
     initial: Initial = Initial.SHAPE
     top: Top = Top.FLOATER
@@ -164,7 +166,7 @@ class Cable:
 
     @property
     def coordinates(self) -> int:
-        """Number of entries of q."""
+        """Number of coordinates in q: the angles, and what a floater at the top adds."""
         return self.n + {Top.FLOATER: 1, Top.FREE: 2, Top.MOTION: 0}[self.top]
 
     def padded(self, vector: Floats) -> Floats:

@@ -19,7 +19,7 @@ from cablefmu.scene import Scene
 from tests.fmu.tex import Lookup, sides
 from tests.fmu_helpers import KINDS, SCENES, small_scene
 from tests.random_cables import KINDS as RANDOM_KINDS
-from tests.random_cables import random_cable, random_inputs, random_state
+from tests.random_cables import TERMINALS, random_cable, random_inputs, random_state
 
 SYMBOLS = {
     "g": ") g", "rho_w": "ρ_w", "Cd": "C_{d,i}", "k_joint": "k_i (θ_i", "c_joint": "c_i (\\dot", "M_1": "M_1",
@@ -167,7 +167,7 @@ def test_every_equation_holds_in_the_motion_of_the_reference(terminal: Terminal,
         assert [line for line in equations(cable) if not holds(line, cable, lookup, force)] == []
 
 
-@pytest.mark.parametrize("terminal", Terminal)
+@pytest.mark.parametrize("terminal", TERMINALS)
 def test_a_wrong_sign_in_any_equation_is_seen(terminal: Terminal) -> None:
     """Every plus and minus between terms, one at a time, but for those in an index."""
     rng = np.random.default_rng([*terminal.encode()])

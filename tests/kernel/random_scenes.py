@@ -8,6 +8,7 @@ from cablefmu.cable import Terminal
 from cablefmu.scene import Scene
 from tests.kernel.library import Wave
 from tests.kernel.motions import make_scene
+from tests.random_cables import TERMINALS
 
 __all__ = ["COUNT", "random_scene"]
 
@@ -24,7 +25,7 @@ def random_scene(number: int) -> tuple[Scene, dict[str, Wave]]:
     def spread(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
-    terminal = list(Terminal)[number % len(Terminal)]
+    terminal = TERMINALS[number % len(TERMINALS)]
     scene = make_scene(
         terminal,
         int(spread(10.0, 241.0)),

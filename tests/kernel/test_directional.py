@@ -17,7 +17,7 @@ from cablefmu.reference import Reference
 from tests.kernel.cases import Case, case
 from tests.kernel.changes import Direction, expected_changes, random_directions, unit_directions
 from tests.kernel.library import Kernel, inputs_of
-from tests.random_cables import KINDS, random_cable, random_inputs, random_state
+from tests.random_cables import KINDS, TERMINALS, random_cable, random_inputs, random_state
 
 EXACT = 1e-10
 """Largest error of a change over the largest change. Measured: 2e-11 where an end weighs a hundred cables or P_n is
@@ -85,17 +85,17 @@ def test_changes_at_heavy_ends(library: ctypes.CDLL, terminal: Terminal, mass: f
 
 JOINTS = ("joint_stiffness", "joint_damping", "drag")
 FORCES: dict[str, tuple[tuple[Terminal, ...], tuple[str, ...], float]] = {
-    "weight": (tuple(Terminal), ("g",), 0.0),
-    "joint springs": (tuple(Terminal), ("k_joint", "joint_stiffness"), 0.0),
-    "joint dampers": (tuple(Terminal), ("c_joint", "joint_damping"), 0.01),
-    "drag": (tuple(Terminal), ("Cd", "drag"), 1.0),
-    "floater's spring": (tuple(Terminal), ("k_m1",), 0.0),
-    "floater's damper": (tuple(Terminal), ("c_m1",), 0.01),
-    "floater's load": (tuple(Terminal), ("static_load",), 0.0),
+    "weight": (TERMINALS, ("g",), 0.0),
+    "joint springs": (TERMINALS, ("k_joint", "joint_stiffness"), 0.0),
+    "joint dampers": (TERMINALS, ("c_joint", "joint_damping"), 0.01),
+    "drag": (TERMINALS, ("Cd", "drag"), 1.0),
+    "floater's spring": (TERMINALS, ("k_m1",), 0.0),
+    "floater's damper": (TERMINALS, ("c_m1",), 0.01),
+    "floater's load": (TERMINALS, ("static_load",), 0.0),
     "terminal's springs": ((Terminal.ANCHOR_SPRING, Terminal.FLOATER), ("k_cH", "k_cV", "k_m2H", "k_m2V"), 0.0),
     "terminal's dampers": ((Terminal.ANCHOR_SPRING, Terminal.FLOATER), ("c_cH", "c_cV", "c_m2H", "c_m2V"), 0.01),
     "terminal's preload": ((Terminal.ANCHOR_SPRING, Terminal.FLOATER), ("static_load_2", "static_pull_2"), 0.0),
-    "inputs": (tuple(Terminal), ("inputs",), 0.0),
+    "inputs": (TERMINALS, ("inputs",), 0.0),
 }
 """Force -> (terminals that know it, what of the cable it is made of, rates [rad/s, m/s] up to which it is seen: at rest
 nothing else acts, and slow rates leave what is linear in them before what is square)."""
@@ -103,7 +103,7 @@ nothing else acts, and slow rates leave what is linear in them before what is sq
 
 def singled_out(library: ctypes.CDLL, terminal: Terminal, kept: tuple[str, ...], rates: float) -> Case:
     """A cable of five unequal links in water on which nothing acts but `kept`, its pin included if it has one."""
-    rng = np.random.default_rng([5, list(Terminal).index(terminal)])
+    rng = np.random.default_rng([5, TERMINALS.index(terminal)])
     cable = random_cable(rng, 5, terminal, water=True)
     (q, v), inputs = random_state(rng, cable), random_inputs(rng, cable)
     inert = ("M_1", "m_c", "M_2", "I_Rc", "rho_w", "rho_c", "V_c")
@@ -129,7 +129,7 @@ def test_changes_of_one_force(library: ctypes.CDLL, force: str, terminal: Termin
     assert np.abs(with_it - without).max() > (1e-6 if terminal is Terminal.PIN else 0.1) * np.abs(with_it).max()
 
 
-@pytest.mark.parametrize("terminal", list(Terminal))
+@pytest.mark.parametrize("terminal", TERMINALS)
 def test_changes_of_turning_links_alone(library: ctypes.CDLL, terminal: Terminal) -> None:
     """No force but what the rates make: the centripetal pull, and a pin's."""
     c = singled_out(library, terminal, (), 1.0)

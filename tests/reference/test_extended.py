@@ -6,16 +6,17 @@ import mpmath
 import numpy as np
 import pytest
 
-from cablefmu.cable import Terminal
+from cablefmu.cable import Terminal, Top
 from cablefmu.reference import Reference
 from cablefmu.reference.extended import extended_acceleration, extended_outputs
 from tests.random_cables import random_cable, random_inputs, random_state
 
 
+@pytest.mark.parametrize("top", Top)
 @pytest.mark.parametrize("terminal", Terminal)
-def test_outputs_agree_with_doubles(terminal: Terminal) -> None:
+def test_outputs_agree_with_doubles(terminal: Terminal, top: Top) -> None:
     rng = np.random.default_rng(31)
-    cable = random_cable(rng, 10, terminal, water=True)
+    cable = random_cable(rng, 10, terminal, water=True, top=top)
     (q, v), inputs = random_state(rng, cable), random_inputs(rng, cable)
     exact = {name: float(value) for name, value in extended_outputs(cable, q, v, inputs).items()}
     # 16 digits less the condition of I (up to 1e5)

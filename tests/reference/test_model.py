@@ -11,26 +11,25 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from cablefmu.cable import Cable, Drag, Terminal
+from cablefmu.cable import Cable, Drag, Terminal, Top
 from cablefmu.errors import OptionError
 from cablefmu.reference import Reference
 from cablefmu.reference.extended import extended_acceleration
 from cablefmu.scene import load_scene
-from tests.random_cables import KINDS, random_cable, random_inputs, random_state
+from tests.random_cables import KINDS, PORTS, random_cable, random_inputs, random_state
 from tests.reference.lagrangian import INPUT_NAMES, derive
 
 DIGITS = 40
 
 
 @cache
-def lagrangian_equation(n: int) -> Any:
-    """(I, T - everything else, J, J' v, V_n, P_n - rest) of n links as a function of numbers, from the symbols.
+def lagrangian_equation(n: int, top: Top) -> Any:
+    """(I, T - everything else, J, V_n' - J x'', V_n, P_n) of n links as a function of numbers, from the symbols.
 
-    J, of V_n = J v, and what is behind it serve pins alone.
+    J = dP_n/dq and what is behind it serve held ends alone.
     """
-    d = derive(n)
-    forces = sp.Matrix(d.end_forces())
-    forces[0] += d.inputs["u_m1"]
+    d = derive(n, top)
+    forces = sp.Matrix(d.end_forces()) + sp.Matrix(d.floater_forces())
     for centre, drag in zip(d.centres, d.drag_forces(), strict=True):
         forces += sp.Matrix(d.by_virtual_work(centre, drag))
     held_back = sp.Matrix(d.velocity_terms()) + sp.Matrix(d.gradient(d.weight_energy + d.spring_energy))
@@ -38,16 +37,23 @@ def lagrangian_equation(n: int) -> Any:
     ends, c = d.chain.end_springs, d.chain
     symbols = [*d.q, *d.v, *d.inputs.values(), *c.length, *c.mass, *c.wet_mass, *c.inertia, *c.stiffness]
     symbols += [*c.damping, *c.drag, c.gravity, c.floater_mass, c.floater_stiffness, c.floater_damping]
-    symbols += [c.static_load, c.end_mass, c.end_wet_mass]
+    symbols += [c.static_load, c.surge_stiffness, c.surge_damping, c.static_pull, c.end_mass, c.end_wet_mass]
     symbols += [*ends.stiffness, *ends.damping, *ends.rest, *ends.preload]
-    velocity, drift = d.rate(d.end), d.end - sp.Matrix(list(ends.rest))
-    constraint = [d.end.jacobian(d.q), d.rate(velocity), velocity, drift]
+    velocity = d.rate(d.end)
+    constraint = [d.end.jacobian(d.q), d.rate(velocity), velocity, d.end]
     return sp.lambdify(symbols, [d.inertia(), forces - held_back, *constraint], modules="mpmath", cse=True)
 
 
-def pinned(inertia: Any, right_side: Any, jacobian: Any, convective: Any, velocity: Any, drift: Any) -> Any:
-    """x'' by elimination of the multiplier: J x'' + J' v is prescribed, with 10/s for the pin's rate."""
-    prescribed = -20 * velocity - 100 * drift
+def held(cable: Cable, inputs: dict[str, float], equation: Any) -> Any:
+    """x'' by elimination of the multiplier: P_n'' is prescribed, with 10/s for the pin's rate."""
+    inertia, right_side, jacobian, convective, velocity, end = equation
+    start = dict(zip(("x_2", "y_2"), cable.rest_position, strict=True))
+
+    def given(kind: str) -> Any:
+        names = [f"{kind}{axis}_2" for axis in "xy"]
+        return mpmath.matrix([mpmath.mpf(inputs.get(name, start.get(name, 0.0))) for name in names])
+
+    prescribed = given("a") - 20 * (velocity - given("v")) - 100 * (end - given(""))
     compliance = jacobian * mpmath.inverse(inertia) * jacobian.T
     free = mpmath.lu_solve(inertia, right_side)
     multiplier = mpmath.lu_solve(compliance, jacobian * free + convective - prescribed)
@@ -78,7 +84,8 @@ def numbers_of(cable: Cable) -> list[Any]:
     suffix = "2" if cable.terminal is Terminal.FLOATER else "c"
     k_d = [p.get(f"{kind}_{'m2' if suffix == '2' else 'c'}{axis}", zero) for kind in "kc" for axis in "HV"]
     preload = [p.get("static_pull_2", zero), -p.get("static_load_2", zero)]
-    ports = [p[name] for name in ("g", "M_1", "k_m1", "c_m1", "static_load")]
+    ports = [p["g"]]
+    ports += [p.get(name, zero) for name in ("M_1", "k_m1", "c_m1", "static_load", "k_m1H", "c_m1H", "static_pull")]
     return [
         *exact(links.length),
         *exact(links.mass),
@@ -97,19 +104,20 @@ def numbers_of(cable: Cable) -> list[Any]:
 
 
 @pytest.mark.parametrize("n", [2, 3, 4])
-@pytest.mark.parametrize(("terminal", "water", "drag"), KINDS)
-def test_acceleration_of_every_kind_of_cable(n: int, terminal: Terminal, water: bool, drag: Drag) -> None:
+@pytest.mark.parametrize(("top", "terminal", "water", "drag"), [(Top.FLOATER, *kind) for kind in KINDS] + PORTS)
+def test_acceleration_of_every_kind_of_cable(n: int, top: Top, terminal: Terminal, water: bool, drag: Drag) -> None:
+    """Two links between two held ends hang by their constraint alone, and yet turn by it."""
     rng = np.random.default_rng(n)
-    cable = random_cable(rng, n, terminal, water, drag=drag)
+    cable = random_cable(rng, n, terminal, water, top=top, drag=drag)
     (q, v), inputs = random_state(rng, cable), random_inputs(rng, cable)
     with mpmath.workdps(DIGITS):
         forces = [mpmath.mpf(inputs.get(name, 0.0)) for name in INPUT_NAMES]
         state = [mpmath.mpf(x) for x in (*q, *v)]
-        inertia, right_side, *constraint = lagrangian_equation(n)(*state, *forces, *numbers_of(cable))
-        if terminal is Terminal.PIN:
-            expected = list(pinned(inertia, right_side, *constraint))
+        equation = lagrangian_equation(n, top)(*state, *forces, *numbers_of(cable))
+        if terminal in (Terminal.PIN, Terminal.MOTION):
+            expected = list(held(cable, inputs, equation))
         else:
-            expected = list(mpmath.lu_solve(inertia, right_side))
+            expected = list(mpmath.lu_solve(*equation[:2]))
         exact = extended_acceleration(cable, q, v, inputs, digits=DIGITS)
         size = max(abs(x) for x in expected)
         # 40 digits less the condition of I (up to 1e5) and a hundred roundings

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cablefmu.cable import Floats, Terminal
+from cablefmu.cable import Floats, Terminal, Top
 from cablefmu.reference.chain import Chain, chain_of
 from cablefmu.reference.kinematics import Motion, motion_of
 from cablefmu.reference.terminal import departure, projected, terminal_force, terminal_vector, virtual_work
 from tests.random_cables import random_cable
-from tests.reference.lagrangian import derive, same
+from tests.reference.lagrangian import DERIVED, derive, same
 
 
 def straight(n: int, length: float, degrees: float) -> tuple[Chain, Motion]:
@@ -28,9 +28,9 @@ def force_at(size: float, degrees: float) -> Floats:
     return size * np.array([np.sin(np.radians(degrees)), np.cos(np.radians(degrees))])
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 4])
-def test_virtual_work_of_inputs_springs_and_preload(n: int) -> None:
-    derivation = derive(n)
+@pytest.mark.parametrize(("n", "top"), DERIVED)
+def test_virtual_work_of_inputs_springs_and_preload(n: int, top: Top) -> None:
+    derivation = derive(n, top)
     force = terminal_force(derivation.chain, derivation.motion, derivation.inputs)
     actual = terminal_vector(derivation.chain, derivation.motion, force, "virtual_work")
     for row, expected in enumerate(derivation.end_forces()):

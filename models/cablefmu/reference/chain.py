@@ -1,7 +1,9 @@
 """The cable's numbers as the equations of chapters 2 to 5 name them.
 
 Everything that the dissertation's three practical situations differ in is here a number that may be
-zero, so that one set of equations serves every terminal. The arrays hold any kind of number that
+zero, so that one set of equations serves every terminal. It is written for a top that is free both ways,
+with the coordinates (y_m, theta_1 ... theta_n, x_m); where the top is guided or its motion given, the
+unknowns are the part of these that is left, `Chain.own`. The arrays hold any kind of number that
 knows + - * / and abs: floats, mpmath's `mpf` (see `extended`), sympy's symbols (see the tests).
 """
 
@@ -15,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cablefmu.cable import Cable, Drag, Terminal
+from cablefmu.cable import Cable, Drag, Terminal, Top
 
 __all__ = ["Array", "Chain", "EndSprings", "Number", "chain_of", "sum_below"]
 
@@ -75,12 +77,39 @@ class Chain:
     m_c g in all cases (erratum): the second floater would sag by M_2 g / k_m2V = 49 m."""
     end_springs: EndSprings
     pin: Array | None = None
-    """Where a pin holds P_n [m], shape (2,); None for every other terminal"""
+    """Where P_n is held [m], shape (2,), by a pin or, where its given motion says nothing else, by that; None for
+    every other terminal"""
+    end_is_driven: bool = False
+    """Whether P_n follows a given motion, x_2 ... ay_2"""
+    top: Top = Top.FLOATER
+    """Which of P_0's coordinates are unknowns, and which are given"""
+    surge_stiffness: Number = 0.0
+    """k_mH of a free floater 1 about x_m = 0 [N/m]"""
+    surge_damping: Number = 0.0
+    """c_mH of a free floater 1 [N s/m]"""
+    static_pull: Number = 0.0
+    """What a free floater 1's mooring carries at x_m = 0, towards -x [N]"""
 
     @property
     def n(self) -> int:
         """Number of links."""
         return len(self.length)
+
+    @property
+    def own(self) -> slice:
+        """Which of (y_m, theta, x_m) are unknowns: without x_m under a floater that heaves only, and without either
+        where the top's motion is given."""
+        return {Top.FLOATER: slice(0, -1), Top.FREE: slice(None), Top.MOTION: slice(1, -1)}[self.top]
+
+    @property
+    def coordinates(self) -> int:
+        """Number of unknowns."""
+        return len(range(self.n + 2)[self.own])
+
+    def rows(self, heave: Number, links: Array, surge: Number) -> Array:
+        """What belongs to y_m, theta and x_m as one vector, without the rows that are not unknowns."""
+        vector: Array = np.concatenate([[heave], links, [surge]])[self.own]
+        return vector
 
     @cached_property
     def carried_mass(self) -> Array:
@@ -152,7 +181,12 @@ def chain_of(cable: Cable, number: Callable[[float], Number] = float) -> Chain:
             rest=array(cable.rest_position),
             preload=np.array([parameter("static_pull_2"), -parameter("static_load_2")]),
         ),
-        pin=array(cable.rest_position) if cable.terminal is Terminal.PIN else None,
+        pin=array(cable.rest_position) if cable.terminal in (Terminal.PIN, Terminal.MOTION) else None,
+        end_is_driven=cable.terminal is Terminal.MOTION,
+        top=cable.top,
+        surge_stiffness=parameter("k_m1H"),
+        surge_damping=parameter("c_m1H"),
+        static_pull=parameter("static_pull"),
     )
 
 

@@ -19,15 +19,15 @@ def drag_forces(chain: Chain, motion: Motion) -> Array:
 
 
 def drag_vector(chain: Chain, motion: Motion) -> Array:
-    """The drag's part of T by virtual work, shape (n + 1,) [N, N m].
+    """The drag's part of T by virtual work, shape (coordinates,) [N, N m].
 
     A force at centre k moves with the floater, with the half of link k and with every link above it:
-    Q_1 = sum f_y and Q_i+1 = l_i n_i . (f_i/2 + sum_{k>i} f_k).
+    Q_1 = sum f_y, Q_i+1 = l_i n_i . (f_i/2 + sum_{k>i} f_k) and Q_x = sum f_x.
     """
     forces = drag_forces(chain, motion)
     felt = forces / 2 + sum_below(forces)
     links = chain.length * np.sum(motion.across * felt, axis=1)
-    return np.concatenate([[forces[:, 1].sum()], links])
+    return chain.rows(forces[:, 1].sum(), links, forces[:, 0].sum())
 
 
 def _size(numbers: Array) -> Array:

@@ -15,7 +15,8 @@ import numpy as np
 from cablefmu.cable import Cable, Floats
 from cablefmu.reference.chain import Array, Chain, chain_of
 from cablefmu.reference.kinematics import Motion, motion_of
-from cablefmu.reference.long_double import equation, long_double_acceleration, long_double_outputs
+from cablefmu.reference.long_double import long_double_acceleration, long_double_outputs
+from cablefmu.reference.model import equation
 from cablefmu.reference.outputs import output_values
 from cablefmu.reference.terminal import TerminalRule
 
@@ -31,13 +32,13 @@ def extended_acceleration(
     digits: int = 50,
     terminal_rule: TerminalRule = "virtual_work",
 ) -> Array:
-    """x'' from I x'' + C x' + K x + F + G = T with `digits` decimal digits.
+    """x'' from I x'' + C x' + K x + F + G + D = T with `digits` decimal digits.
 
     Doubles count as exact: q, v, inputs and parameters are taken to the last bit.
 
     Returns
     -------
-    object array of `mpmath.mpf`, shape (n + 1,) [m/s^2, rad/s^2]
+    object array of `mpmath.mpf`, shape (coordinates,) [m/s^2, rad/s^2]
     """
     with mpmath.workdps(digits):
         chain, motion, forces = _exact(cable, q, v, inputs)
@@ -56,13 +57,15 @@ def extended_outputs(
 
 def _exact(cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]) -> tuple[Chain, Motion, dict[str, Any]]:
     exact, sin, cos = (np.vectorize(f, otypes=[object]) for f in (mpmath.mpf, mpmath.sin, mpmath.cos))
-    motion = motion_of(exact(q), exact(v), sin, cos)
-    return chain_of(cable, mpmath.mpf), motion, {name: mpmath.mpf(value) for name, value in inputs.items()}
+    given = {name: mpmath.mpf(value) for name, value in inputs.items()}
+    motion = motion_of(exact(q), exact(v), sin, cos, top=cable.top, inputs=given)
+    return chain_of(cable, mpmath.mpf), motion, given
 
 
 def _solve(chain: Chain, motion: Motion, inputs: Mapping[str, Any], rule: TerminalRule) -> tuple[Array, Array | None]:
-    """x'', and the force on a pin if there is one."""
-    matrix, right_side = equation(chain, motion, inputs, rule)
+    """x'', and the force on what holds P_n, if it is held."""
+    held = chain.pin is not None
+    matrix, right_side = equation(chain, motion, inputs, rule, outside=held)
     solution = mpmath.lu_solve(mpmath.matrix(matrix.tolist()), mpmath.matrix(right_side.tolist()))
     found = np.array(list(solution), dtype=object)
-    return found[: chain.n + 1], None if chain.pin is None else found[chain.n + 1 :]
+    return found[: chain.coordinates], found[chain.coordinates :] if held else None

@@ -1,8 +1,9 @@
 """Where the chain is and how it moves [2.10-2.17].
 
 e_i = (sin th_i, cos th_i) points down link i, n_i = de_i/dth_i = (cos th_i, -sin th_i) across it. With
-P_0 = (0, y_m) and P_i = P_{i-1} + l_i e_i, a link's centre is the mean of its two ends, and so are its
-velocity and acceleration.
+P_0 = (x_m, y_m) and P_i = P_{i-1} + l_i e_i, a link's centre is the mean of its two ends, and so are its
+velocity and acceleration. Of P_0 a floater that only heaves keeps x_m = 0; where its motion is given, both
+are inputs.
 
 Erratum [2.17] (L2, L4): the print's inner sums run to n - 1 and end with l_n, which puts every centre
 at the last link's; they run to i - 1 and end with l_i.
@@ -10,24 +11,53 @@ at the last link's; they run to i - 1 and end with l_i.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
+from cablefmu.cable import Top
 from cablefmu.reference.chain import Array, Chain, Number
 
-__all__ = ["Motion", "accelerations", "centres", "motion_of", "points", "velocities"]
+__all__ = ["Motion", "Port", "accelerations", "centres", "given_port", "motion_of", "points", "velocities"]
+
+NOTHING: Mapping[str, Number] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Port:
+    """How an end of the cable moves; arrays of shape (2,), x first."""
+
+    position: Array
+    """[m]"""
+    velocity: Array
+    """[m/s]"""
+    acceleration: Array
+    """[m/s^2]; of P_0 the part that is given, zero where it is an unknown"""
+
+
+def given_port(port: int, inputs: Mapping[str, Number], rest: Array | tuple[float, float] = (0.0, 0.0)) -> Port:
+    """The motion x_p ... ay_p that the inputs give to end `port`, 1 or 2; at `rest` [m] where they say nothing."""
+
+    def pair(kind: str, x: Number, y: Number) -> Array:
+        return np.array([inputs.get(f"{kind}x_{port}", x), inputs.get(f"{kind}y_{port}", y)])
+
+    return Port(pair("", *rest), pair("v", 0.0, 0.0), pair("a", 0.0, 0.0))
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A state (q, v) with the sines and cosines that every equation needs."""
+    """A state (q, v), and what is given besides, with the sines and cosines that every equation needs."""
 
-    heave: Number
-    """y_m [m]"""
-    heave_rate: Number
-    """y_m' [m/s]"""
+    q: Array
+    """The unknowns' positions [m, rad], shape (coordinates,)"""
+    v: Array
+    """dq/dt [m/s, rad/s], likewise"""
+    top: Port
+    """P_0 = (x_m, y_m)"""
+    inputs: Mapping[str, Number]
+    """Inputs by name, those that give an end's motion among them"""
     theta: Array
     """th_i [rad], shape (n,)"""
     omega: Array
@@ -53,29 +83,41 @@ def motion_of(
     v: Array,
     sin: Callable[[Array], Array] = np.sin,
     cos: Callable[[Array], Array] = np.cos,
+    *,
+    top: Top = Top.FLOATER,
+    inputs: Mapping[str, Number] = NOTHING,
 ) -> Motion:
-    """The motion at q = (y_m, theta) and v = dq/dt, each of shape (n + 1,) [m, rad; m/s, rad/s]."""
-    return Motion(q[0], v[0], q[1:], v[1:], sin(q[1:]), cos(q[1:]))
+    """The motion at q and v = dq/dt, each of shape (coordinates,) [m, rad; m/s, rad/s].
+
+    `inputs` are needed where they give an end's motion; those that are forces do no harm.
+    """
+    given = given_port(1, inputs)
+    whole_q, whole_v = _whole(top, q, given.position), _whole(top, v, given.velocity)
+    place, speed = (whole[[-1, 0]] for whole in (whole_q, whole_v))
+    theta = whole_q[1:-1]
+    port = Port(place, speed, given.acceleration)
+    return Motion(q, v, port, inputs, theta, whole_v[1:-1], sin(theta), cos(theta))
 
 
 def points(chain: Chain, motion: Motion) -> Array:
     """P_0 ... P_n [m], shape (n + 1, 2)."""
-    return _from_top(motion.heave, chain.length[:, None] * motion.along)
+    return _from_top(motion.top.position, chain.length[:, None] * motion.along)
 
 
 def velocities(chain: Chain, motion: Motion) -> Array:
     """Velocities of P_0 ... P_n [m/s], shape (n + 1, 2); P_i' = P_{i-1}' + l_i th_i' n_i."""
-    return _from_top(motion.heave_rate, (chain.length * motion.omega)[:, None] * motion.across)
+    return _from_top(motion.top.velocity, (chain.length * motion.omega)[:, None] * motion.across)
 
 
 def accelerations(chain: Chain, motion: Motion, acceleration: Array) -> Array:
-    """Accelerations of P_0 ... P_n [m/s^2], shape (n + 1, 2), at q'' = `acceleration` (n + 1,).
+    """Accelerations of P_0 ... P_n [m/s^2], shape (n + 1, 2), at q'' = `acceleration` (coordinates,).
 
     P_i'' = P_{i-1}'' + l_i (th_i'' n_i - th_i'^2 e_i)
     """
-    across = (chain.length * acceleration[1:])[:, None] * motion.across
+    whole = _whole(chain.top, acceleration, motion.top.acceleration)
+    across = (chain.length * whole[1:-1])[:, None] * motion.across
     along = (chain.length * motion.omega**2)[:, None] * motion.along
-    return _from_top(acceleration[0], across - along)
+    return _from_top(whole[[-1, 0]], across - along)
 
 
 def centres(at_points: Array) -> Array:
@@ -83,6 +125,12 @@ def centres(at_points: Array) -> Array:
     return (at_points[:-1] + at_points[1:]) / 2
 
 
-def _from_top(vertical: Number, steps: Array) -> Array:
-    """Sum down the chain from P_0, which moves vertically only."""
-    return np.cumsum(np.vstack([np.array([0 * vertical, vertical]), steps]), axis=0)
+def _whole(top: Top, own: Array, given: Array) -> Array:
+    """(y_m, theta, x_m), shape (n + 2,), from the unknowns among them and what is `given` for P_0, shape (2,)."""
+    above, behind = (given[[1]] if top is Top.MOTION else own[:0]), (own[:0] if top is Top.FREE else given[[0]])
+    return np.concatenate([above, own, behind])
+
+
+def _from_top(top: Array, steps: Array) -> Array:
+    """Sum down the chain from P_0."""
+    return np.cumsum(np.vstack([top, steps]), axis=0)

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cablefmu.cable import Cable
 from cablefmu.reference.chain import Array, Chain, Number, chain_of
-from cablefmu.reference.heavy_end import bordered, is_heavy
+from cablefmu.reference.heavy_end import is_heavy
 from cablefmu.reference.kinematics import Motion, motion_of
-from cablefmu.reference.matrices import damping_matrix, inertia_matrix, stiffness_matrix
-from cablefmu.reference.model import generalised_forces
+from cablefmu.reference.model import equation
 from cablefmu.reference.outputs import output_values
-from cablefmu.reference.terminal import TerminalRule
-from cablefmu.reference.vectors import gravity_vector, velocity_vector
 
-__all__ = ["equation", "long_double_acceleration", "long_double_outputs"]
+__all__ = ["long_double_acceleration", "long_double_outputs"]
 
 
 def long_double_acceleration(cable: Cable, q: Array, v: Array, inputs: Mapping[str, Number]) -> Array:
@@ -29,7 +25,7 @@ def long_double_acceleration(cable: Cable, q: Array, v: Array, inputs: Mapping[s
 
     Returns
     -------
-    array of `numpy.longdouble` or `numpy.clongdouble`, shape (n + 1,) [m/s^2, rad/s^2]
+    array of `numpy.longdouble` or `numpy.clongdouble`, shape (coordinates,) [m/s^2, rad/s^2]
     """
     chain, motion, forces = _wide(cable, q, v, inputs)
     return _solve_wide(chain, motion, forces)[0]
@@ -42,35 +38,20 @@ def long_double_outputs(cable: Cable, q: Array, v: Array, inputs: Mapping[str, N
     return output_values(chain, motion, acceleration, forces, end_force)
 
 
-def equation(chain: Chain, motion: Motion, inputs: Mapping[str, Any], rule: TerminalRule) -> tuple[Array, Array]:
-    """I and T - (C x' + K x + F + G), with a pin inside its border."""
-    q = np.concatenate([[motion.heave], motion.theta])
-    v = np.concatenate([[motion.heave_rate], motion.omega])
-    T = generalised_forces(chain, motion, inputs, rule)
-    F, G = velocity_vector(chain, motion), gravity_vector(chain, motion)
-    inertia = inertia_matrix(chain, motion)
-    right_side = T - (damping_matrix(chain) @ v + stiffness_matrix(chain) @ q + F + G)
-    return (inertia, right_side) if chain.pin is None else bordered(chain, motion, inertia, right_side)
-
-
 def _wide(cable: Cable, q: Array, v: Array, inputs: Mapping[str, Number]) -> tuple[Chain, Motion, dict[str, Any]]:
     def widened(values: Any) -> Array:
         array = np.asarray(values)
         return array.astype(np.result_type(array, np.longdouble))
 
-    motion = motion_of(widened(q), widened(v))
-    return chain_of(cable, np.longdouble), motion, {name: widened(value)[()] for name, value in inputs.items()}
+    given = {name: widened(value)[()] for name, value in inputs.items()}
+    return chain_of(cable, np.longdouble), motion_of(widened(q), widened(v), top=cable.top, inputs=given), given
 
 
 def _solve_wide(chain: Chain, motion: Motion, inputs: Mapping[str, Any]) -> tuple[Array, Array | None]:
-    """x'', and m_c P_n'' or the force on a pin where it is an unknown."""
-    outside = chain.pin is None and is_heavy(chain)
-    light = replace(chain, end_mass=0 * chain.end_mass) if outside else chain
-    matrix, right_side = equation(light, motion, inputs, "virtual_work")
-    if outside:
-        matrix, right_side = bordered(chain, motion, matrix, right_side)
-    found = _eliminated(matrix, right_side)
-    return found[: chain.n + 1], found[chain.n + 1 :] if len(found) > chain.n + 1 else None
+    """x'', and m_c P_n'' or the force on what holds P_n where it is an unknown."""
+    outside = chain.pin is not None or is_heavy(chain)
+    found = _eliminated(*equation(chain, motion, inputs, outside=outside))
+    return found[: chain.coordinates], found[chain.coordinates :] if outside else None
 
 
 def _eliminated(matrix: Array, right_side: Array) -> Array:

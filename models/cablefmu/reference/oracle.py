@@ -17,7 +17,8 @@ from cablefmu.reference.model import Reference
 __all__ = ["Inputs", "Trajectory", "integrate"]
 
 Inputs = Callable[[float], Mapping[str, float]]
-"""The force inputs by name [N] at a time [s]; at a jump, the value after it."""
+"""The inputs by name [N; m, m/s, m/s^2] at a time [s]; at a jump, the value after it. A given motion's velocity and
+acceleration are inputs like its position: they must be its derivatives."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +28,9 @@ class Trajectory:
     times: Floats
     """[s], shape (m,)"""
     q: Floats
-    """(y_m, theta) [m, rad], shape (m, n + 1)"""
+    """As `Cable.position` [m, rad], shape (m, coordinates)"""
     v: Floats
-    """dq/dt [m/s, rad/s], shape (m, n + 1)"""
+    """dq/dt [m/s, rad/s], likewise"""
     outputs: dict[str, Floats]
     """The FMU's outputs by name, each of shape (m,)"""
 
@@ -51,7 +52,7 @@ def integrate(
     model
         The reference model, or a cable to make one of with its default rules.
     inputs
-        Force inputs as a function of time, continuous from the right.
+        Inputs as a function of time, continuous from the right.
     times
         Increasing times [s]; the first is the start. The integrator steps onto each of them, so that
         no interpolation adds to the error.
@@ -100,7 +101,7 @@ def integrate(
 
 def _right_side(reference: Reference, inputs: Inputs, stop: float) -> Callable[[float, Floats], Floats]:
     """(q, v)' before `stop`: a step that ends there must not see an input that jumps there."""
-    before, size = float(np.nextafter(stop, -np.inf)), reference.chain.n + 1
+    before, size = float(np.nextafter(stop, -np.inf)), reference.chain.coordinates
 
     def right_side(t: float, state: Floats) -> Floats:
         if not np.all(np.isfinite(state)):
@@ -112,7 +113,7 @@ def _right_side(reference: Reference, inputs: Inputs, stop: float) -> Callable[[
 
 
 def _trajectory(reference: Reference, inputs: Inputs, times: Floats, states: Mapping[float, Floats]) -> Trajectory:
-    size = reference.chain.n + 1
+    size = reference.chain.coordinates
     table = np.array([states[t] for t in times])
     q, v = table[:, :size], table[:, size:]
     rows = [reference.outputs(q[k], v[k], inputs(float(t))) for k, t in enumerate(times)]

@@ -1,4 +1,4 @@
-"""What one looks at: port motion, joint forces, tensions, energy, and where the energy goes."""
+"""What one looks at: motion of and force on the ports, joint forces, tensions, energy, and where the energy goes."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from cablefmu.cable import Top
 from cablefmu.reference.chain import Array, Chain, Number
 from cablefmu.reference.drag import drag_forces
 from cablefmu.reference.kinematics import Motion, accelerations, centres, points, velocities
@@ -24,10 +25,10 @@ def output_values(
 ) -> dict[str, Any]:
     """Every output of the FMU by its name, SI; arguments as for `joint_forces`."""
     position, velocity = points(chain, motion)[-1], velocities(chain, motion)[-1]
-    pull = pulls(motion, joint_forces(chain, motion, acceleration, inputs, end_inertia_force))
+    forces = joint_forces(chain, motion, acceleration, inputs, end_inertia_force)
+    pull = pulls(motion, forces)
     return {
-        "y_m1": motion.heave,
-        "v_m1": motion.heave_rate,
+        **_port_values(chain, motion, forces),
         "x_c": position[0],
         "y_c": position[1],
         "vx_c": velocity[0],
@@ -37,6 +38,23 @@ def output_values(
         "tension_max": pull.max(),
         "energy": energy(chain, motion),
     }
+
+
+def _port_values(chain: Chain, motion: Motion, forces: Array) -> dict[str, Any]:
+    """The motion of floater 1, or what the cable does to those that move its ends: -R_1 at P_0, R_{n+1} at P_n [N].
+
+    They get a force alone. The moment of joint 1's spring and damper ends in a body that does not turn.
+    """
+    values: dict[str, Any] = {}
+    if chain.top is not Top.MOTION:
+        values |= {"y_m1": motion.top.position[1], "v_m1": motion.top.velocity[1]}
+    if chain.top is Top.FREE:
+        values |= {"x_m1": motion.top.position[0], "vx_m1": motion.top.velocity[0]}
+    if chain.top is Top.MOTION:
+        values |= {"F_1x": -forces[0, 0], "F_1y": -forces[0, 1]}
+    if chain.end_is_driven:
+        values |= {"F_2x": forces[-1, 0], "F_2y": forces[-1, 1]}
+    return values
 
 
 def joint_forces(
@@ -51,10 +69,10 @@ def joint_forces(
     Newton's law, from the tip up: R_{n+1} = m_c P_n'' - W_c - F_c and
     R_i = R_{i+1} + m_i c_i'' - W_i - f_i, with weights W along +y and drag f_i. Give m_c P_n'' as
     `end_inertia_force` where it is known better than as a product of 8e8 kg with a rounded acceleration.
-    A pin has neither mass nor weight; its multiplier stands there, and must be given.
+    An end that is held has neither mass nor weight; its multiplier stands there, and must be given.
     """
     if chain.pin is not None and end_inertia_force is None:
-        raise ValueError("what pulls at a pin does not follow from the motion: end_inertia_force is needed")
+        raise ValueError("what pulls at a held end does not follow from the motion: end_inertia_force is needed")
     at_points = accelerations(chain, motion, acceleration)
     down = np.array([0, 1])
     inertia_force = chain.end_mass * at_points[-1] if end_inertia_force is None else end_inertia_force
@@ -74,7 +92,7 @@ def pulls(motion: Motion, forces: Array) -> Array:
 
 
 def energy(chain: Chain, motion: Motion) -> Number:
-    """Kinetic and potential energy [J], without external forces."""
+    """Kinetic and potential energy [J], without external forces; of what moves an end by a given motion nothing."""
     return kinetic_energy(chain, motion) + potential_energy(chain, motion)
 
 
@@ -82,7 +100,7 @@ def kinetic_energy(chain: Chain, motion: Motion) -> Number:
     """Of floater, links and terminal [J], from their own velocities rather than from I(x)."""
     at_points = velocities(chain, motion)
     links = chain.mass @ np.sum(centres(at_points) ** 2, axis=1) + chain.inertia @ motion.omega**2
-    ports = chain.floater_mass * motion.heave_rate**2 + chain.end_mass * np.sum(at_points[-1] ** 2)
+    ports = chain.floater_mass * np.sum(motion.top.velocity**2) + chain.end_mass * np.sum(at_points[-1] ** 2)
     return (links + ports) / 2
 
 
@@ -90,31 +108,47 @@ def potential_energy(chain: Chain, motion: Motion) -> Number:
     """Of weights, springs and static loads [J].
 
     Weights count from Y = 0, downward lowering it; the terminal's springs and preload from its rest
-    position, that of floater 1 from y_m = 0.
+    position, those of floater 1 from x_m = 0 and y_m = 0.
     """
     at_points = points(chain, motion)
     weights = chain.wet_mass @ centres(at_points)[:, 1] + chain.end_wet_mass * at_points[-1, 1]
     bend = motion.theta - np.concatenate([[0], motion.theta[:-1]])
     springs = chain.end_springs
     stretch = at_points[-1] - springs.rest
-    floater = chain.floater_stiffness * motion.heave**2 / 2 + chain.static_load * motion.heave
+    surge, heave = motion.top.position
+    floater = chain.floater_stiffness * heave**2 / 2 + chain.static_load * heave
+    floater += chain.surge_stiffness * surge**2 / 2 + chain.static_pull * surge
     terminal = springs.stiffness @ stretch**2 / 2 - springs.preload @ stretch
     return floater + chain.stiffness @ bend**2 / 2 + terminal - chain.gravity * weights
 
 
-def powers(chain: Chain, motion: Motion, inputs: Mapping[str, Number]) -> dict[str, Any]:
+def powers(chain: Chain, motion: Motion, inputs: Mapping[str, Number], forces: Array | None = None) -> dict[str, Any]:
     """What enters (+) and leaves (-) the energy [W]; their sum is dE/dt by virtual work.
 
-    Keys: one per input, then "joints" (c_i), "floater" (c_m), "terminal" (its dampers), "drag".
+    Keys: one per input that is a force, "F_1" and "F_2" where an end's motion is given, then "joints" (c_i),
+    "floater" (c_m), "terminal" (its dampers), "drag". What moves an end does work against the force that its output
+    shows: `forces`, those of `joint_forces`, must then be given. P_n's velocity is that of the state.
     """
     at_points = velocities(chain, motion)
-    end = at_points[-1]
-    moved = {"u_m1": motion.heave_rate, "u_m2": end[1], "F_cx": end[0], "F_cy": end[1]}
+    (surge_rate, heave_rate), end = motion.top.velocity, at_points[-1]
+    moved = {"u_m1": heave_rate, "u_m1x": surge_rate, "u_m2": end[1], "F_cx": end[0], "F_cy": end[1]}
     bend_rate = motion.omega - np.concatenate([[0], motion.omega[:-1]])
     return {
-        **{name: force * moved[name] for name, force in inputs.items()},
+        **{name: force * moved[name] for name, force in inputs.items() if name in moved},
+        **_port_powers(chain, at_points, forces),
         "joints": -chain.damping @ bend_rate**2,
-        "floater": -chain.floater_damping * motion.heave_rate**2,
+        "floater": -chain.floater_damping * heave_rate**2 - chain.surge_damping * surge_rate**2,
         "terminal": -chain.end_springs.damping @ end**2,
         "drag": np.sum(drag_forces(chain, motion) * centres(at_points)),
     }
+
+
+def _port_powers(chain: Chain, at_points: Array, forces: Array | None) -> dict[str, Any]:
+    """What those that move an end put into the cable [W]: -F_1 . P_0', -F_2 . P_n'."""
+    driven = {"F_1": chain.top is Top.MOTION, "F_2": chain.end_is_driven}
+    if forces is None:
+        if any(driven.values()):
+            raise ValueError("the power of a given motion does not follow from the motion: joint forces are needed")
+        return {}
+    flows = {"F_1": forces[0] @ at_points[0], "F_2": -forces[-1] @ at_points[-1]}
+    return {name: flow for name, flow in flows.items() if driven[name]}

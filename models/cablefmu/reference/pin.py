@@ -1,4 +1,4 @@
-"""The pin, a holonomic constraint on P_n, and what keeps it where it is.
+"""The pin, a holonomic constraint on P_n, and what keeps it where it is; likewise an end whose motion is given.
 
 Its force is the multiplier of the border that `heavy_end` puts around the equation, with nothing behind it that
 gives way. Differentiated twice, the constraint P_n = P_pin prescribes P_n'' = 0. This is all that x'' can obey:
@@ -10,13 +10,18 @@ Appl. Mech. Eng. 1 (1972) 1-16):
 
     P_n'' = -2 w V_n - w^2 (P_n - P_pin)       so that P_n - P_pin = (a + b t) exp(-w t) whatever the cable does
 
-It does nothing to a motion that keeps the constraint.
+It does nothing to a motion that keeps the constraint. A given motion (p_2, v_2, a_2) of P_n is a pin that moves, and
+brings back a state that disagrees with it likewise:
+
+::
+
+    P_n'' = a_2 - 2 w (V_n - v_2) - w^2 (P_n - p_2)
 """
 
 from __future__ import annotations
 
 from cablefmu.reference.chain import Array, Chain
-from cablefmu.reference.kinematics import Motion, points, velocities
+from cablefmu.reference.kinematics import Motion, given_port, points, velocities
 
 __all__ = ["PIN_RATE", "pin_acceleration"]
 
@@ -25,7 +30,8 @@ PIN_RATE = 10.0
 
 
 def pin_acceleration(chain: Chain, motion: Motion, pin: Array) -> Array:
-    """P_n'' at a pin at `pin` [m], shape (2,) [m/s^2]."""
-    drift, velocity = points(chain, motion)[-1] - pin, velocities(chain, motion)[-1]
-    acceleration: Array = -2 * PIN_RATE * velocity - PIN_RATE**2 * drift
+    """P_n'' at a pin at `pin` [m], or where the inputs give P_n's motion, shape (2,) [m/s^2]."""
+    given = given_port(2, motion.inputs, pin)
+    drift, slip = points(chain, motion)[-1] - given.position, velocities(chain, motion)[-1] - given.velocity
+    acceleration: Array = given.acceleration - 2 * PIN_RATE * slip - PIN_RATE**2 * drift
     return acceleration

@@ -1,6 +1,6 @@
 """What acts at the lower port P_n and how it reaches the coordinates, algorithms 5.8 to 5.10.
 
-Two rules. *Virtual work* is exact: Q_1 = F_y, Q_i+1 = l_i F . n_i. The *projected* rule is the
+Two rules. *Virtual work* is exact: Q_1 = F_y, Q_i+1 = l_i F . n_i, Q_x = F_x. The *projected* rule is the
 dissertation's own [4.7-4.34, 5.8-5.10], kept here to measure how far it departs; it is not
 conservative, and its torques on the links above the last reverse under compression.
 
@@ -42,17 +42,17 @@ def terminal_force(chain: Chain, motion: Motion, inputs: Mapping[str, Number]) -
 
 
 def terminal_vector(chain: Chain, motion: Motion, force: Array, rule: TerminalRule) -> Array:
-    """The terminal force's part of T, shape (n + 1,) [N, N m]."""
+    """The terminal force's part of T, shape (coordinates,) [N, N m]."""
     return virtual_work(chain, motion, force) if rule == "virtual_work" else projected(chain, motion, force)
 
 
 def virtual_work(chain: Chain, motion: Motion, force: Array) -> Array:
-    """Q_1 = F_y, Q_i+1 = l_i F . n_i = l_i (F_x cos th_i - F_y sin th_i), shape (n + 1,) [N, N m]."""
-    return np.concatenate([[force[1]], chain.length * (motion.across @ force)])
+    """Q_1 = F_y, Q_i+1 = l_i F . n_i = l_i (F_x cos th_i - F_y sin th_i), Q_x = F_x, shape (coordinates,) [N, N m]."""
+    return chain.rows(force[1], _torques(chain, motion, force), force[0])
 
 
 def projected(chain: Chain, motion: Motion, force: Array) -> Array:
-    """The dissertation's rule [5.8-5.10] with F_m2 = -F, shape (n + 1,) [N, N m].
+    """The dissertation's rule [5.8-5.10] with F_m2 = -F, shape (coordinates,) [N, N m].
 
     ::
 
@@ -67,11 +67,16 @@ def projected(chain: Chain, motion: Motion, force: Array) -> Array:
     # the product is over the joints strictly below link i + 1, hence empty for the last two links
     factor[:-2] = np.cumprod(cos_joint[:0:-1])[::-1]
     factor[:-1] *= cos_alpha
-    torques = factor * virtual_work(chain, motion, force)[1:]
-    return np.concatenate([[0 * size], torques])
+    return chain.rows(0 * size, factor * _torques(chain, motion, force), 0 * size)
 
 
 def departure(chain: Chain, motion: Motion, force: Array) -> Array:
-    """Projected less virtual work, shape (n + 1,) [N, N m]: the print's error in each row of T."""
+    """Projected less virtual work, shape (coordinates,) [N, N m]: the print's error in each row of T."""
     difference: Array = projected(chain, motion, force) - virtual_work(chain, motion, force)
     return difference
+
+
+def _torques(chain: Chain, motion: Motion, force: Array) -> Array:
+    """l_i F . n_i, shape (n,) [N m]"""
+    torques: Array = chain.length * (motion.across @ force)
+    return torques
