@@ -6,11 +6,23 @@
 #define CABLE_UNIT_H
 
 #if !defined(__GNUC__) && !defined(__clang__)
-#error                                                                                                                 \
-    "GCC or Clang is expected (on Windows MinGW or clang-cl): both ends of the cable are worked on in a vector of two"
+#error "GCC or Clang is expected (on Windows MinGW or clang-cl): the kernel has vectors of two [kernel/ends.h]"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math takes the digits off sines and the sense off tests for infinity: compile without it"
+#endif
+
+/*
+ * The same bits as the libraries that come with the FMU: nothing is fused. GCC's vectoriser asks the processor alone whether
+ * it can (12.2); in front of the system's headers, so that functions of theirs can still be inlined.
+ */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#else
+#pragma GCC optimize("fp-contract=off")
+#if defined(__FMA__) || defined(__FMA4__)
+#pragma GCC target("no-fma,no-fma4")
+#endif
 #endif
 
 /* All that the files want of the system, before what follows hides names. */
@@ -29,13 +41,6 @@
 #include <emmintrin.h>
 #elif defined(__aarch64__)
 #include <arm_neon.h>
-#endif
-
-/* The same bits as the libraries that come with the FMU: nothing is fused. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#else
-#pragma GCC optimize("fp-contract=off")
 #endif
 
 /* Not every importer links libm. Where a root is no instruction that the compiler lets us name, it has to. */

@@ -227,7 +227,7 @@ def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     before = libraries(path)
     command = [sys.executable, "-m", "fmpy", "compile", "--all-warnings", "--warning-as-error", str(path)]
     done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.returncode == 0, f"apt-get install cmake make gcc? {done.stdout}{done.stderr}"
     after = libraries(path)
     assert set(after) == set(before)
     (changed,) = (name for name in after if after[name] != before[name])
@@ -237,14 +237,14 @@ def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 
 def libraries(path: Path) -> dict[str, bytes]:
     with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist() if name.startswith("binaries/")}
+        return {name: archive.read(name) for name in archive.namelist() if re.match("binaries/.*[^/]$", name)}
 
 
 @pytest.mark.system
-@pytest.mark.parametrize("interface", ["cs", "me"])
+@pytest.mark.parametrize(("interface", "solver"), [("cs", "explicit"), ("cs", "implicit"), ("me", "automatic")])
 @pytest.mark.parametrize("name", RUNS)
 def test_what_fmpy_compiles_gives_the_same_bits(
-    name: str, interface: str, compiled: tuple[int, bytes], tmp_path: Path
+    name: str, interface: str, solver: str, compiled: tuple[int, bytes], tmp_path: Path
 ) -> None:
     fmi, library = compiled
     shipped = build_fmu(name, tmp_path / "shipped.fmu", fmi=fmi, platforms=[this_platform()])
@@ -253,7 +253,7 @@ def test_what_fmpy_compiles_gives_the_same_bits(
     (place,) = libraries(shipped)
     write_zip(tmp_path / "ours.fmu", {**members, place: library})
     expected, found = (
-        simulate(path, interface=interface, stop_time=STOP, record=["theta", "omega"])
+        simulate(path, interface=interface, stop_time=STOP, parameters={"solver": solver}, record=["theta", "omega"])
         for path in (shipped, tmp_path / "ours.fmu")
     )
     assert set(found) == set(expected) and "tension_max" in found
@@ -261,4 +261,4 @@ def test_what_fmpy_compiles_gives_the_same_bits(
         values = expected[variable].values
         assert np.isfinite(values).all()
         assert found[variable].values.tobytes() == values.tobytes(), variable
-    assert float(np.ptp(expected["y_c"].values)) > 0.0
+    assert np.ptp(expected["theta"].values, axis=0).max() > 0.1  # [rad]: it moves

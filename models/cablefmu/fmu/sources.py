@@ -4,7 +4,8 @@ The files of the kernel and of one version's adapter stand there as they are. Wh
 flags and no order: the two files to be compiled, which are written here, include the others. One is everything in one
 translation unit, the other the kernel's right-hand side once more, for processors with AVX2. Several FMUs may go into
 one program: functions of the API have the prefix that FMI asks for (both standards, "Header files and naming of
-functions"), and so has every other name with external linkage. FMI's own headers are the importer's.
+functions"), and so has every other name with external linkage. What is static is so in the whole unit, so that no two
+files of fmu_src may have the same name for it. FMI's own headers are the importer's.
 """
 
 from __future__ import annotations
@@ -74,7 +75,8 @@ def _package_sources() -> dict[str, str]:
 
 def _unit(title: str, prefix: str, includes: list[str]) -> str:
     lines = "".join(f'#include "{name}"\n' for name in includes)
-    return f'/* {title} */\n{prefix}#include "{_NAMES}"\n#include "{_PREAMBLE}"\n\n{lines}'
+    head = f"/* {title} Licence: documentation/licenses/license.txt */\n{prefix}"
+    return f'{head}#include "{_NAMES}"\n#include "{_PREAMBLE}"\n\n{lines}'
 
 
 def _names(identifier: str, texts: list[str]) -> str:
