@@ -22,10 +22,11 @@ from lxml import etree
 
 from cablefmu.fmu.archive import build_fmu, write_zip
 from cablefmu.fmu.platforms import this_platform
-from cablefmu.scene import Scene
+from cablefmu.scene import Scene, load_scene
 from cablefmu.simulate import simulate
 from tests.fmu_helpers import SCENES, small_scene
 from tests.kernel.library import ROOT, toolchain
+from tests.platforms.machines import MACHINES, Machine, run_of
 
 both = pytest.mark.parametrize("fmi", [2, 3])
 
@@ -37,6 +38,7 @@ AS_A_LIBRARY = "-DFMI3_OVERRIDE_FUNCTION_PREFIX=1"
 RUNS = ("heave-60-water", "seabed-pin-60", "free-12-air")
 STOP = 2.0
 """[s]"""
+EXPLICIT, IMPLICIT = 2, 3
 
 
 def unpacked(path: Path, folder: Path) -> Path:
@@ -217,6 +219,28 @@ def test_flags_that_would_change_numbers(flag: str, folder_of: Callable[..., Pat
         return
     gcc(folder, flag, "-O3", "-S")
     assert not re.findall(r"\bvfn?m\w+", (folder / "load.s").read_text() + (folder / "load_avx2.s").read_text())
+
+
+@pytest.mark.system
+@pytest.mark.parametrize(
+    "machine", [machine for machine in MACHINES if "linux" in machine.platform], ids=lambda found: found.platform
+)
+def test_clang_gives_the_same_bits_on_another_processor(
+    machine: Machine, folder_of: Callable[..., Path], tmp_path: Path
+) -> None:
+    """That for aarch64 has roots and fused operations of its own."""
+    library = tmp_path / "load.so"
+    sources = [folder_of(2) / "load.c", folder_of(2) / "load_avx2.c"]
+    toolchain().compile_library(
+        library, sources, ["-shared", "-fPIC", "-O2"], target=toolchain().TARGETS[machine.platform][0]
+    )
+    for name in RUNS:
+        (tmp_path / name).mkdir()
+        for solver in (EXPLICIT, IMPLICIT):
+            run = run_of(load_scene(name), tmp_path / name, solver, STOP, 0.1)
+            expected, found = MACHINES[0].run(run, tmp_path), machine.run(run, tmp_path, library)
+            assert np.isfinite(expected).all() and np.any(expected[-1] != expected[0])
+            assert found.tobytes() == expected.tobytes(), (name, solver)
 
 
 @pytest.fixture(scope="module", params=[2, 3])
