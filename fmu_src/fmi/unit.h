@@ -1,6 +1,6 @@
 /*
- * In front of everything where somebody else compiles an FMU from the sources in its archive, with flags of his own: all
- * files are one translation unit then, but for kernel/avx2.c [models/cablefmu/fmu/sources.py].
+ * In front of everything where somebody else compiles an FMU from the sources in its archive, with flags of his own:
+ * all files are one translation unit then, but for kernel/avx2.c [models/cablefmu/fmu/sources.py].
  */
 #ifndef CABLE_UNIT_H
 #define CABLE_UNIT_H
@@ -13,8 +13,8 @@
 #endif
 
 /*
- * The same bits as the libraries that come with the FMU: nothing is fused. GCC's vectoriser asks the processor alone whether
- * it can (12.2); in front of the system's headers, so that functions of theirs can still be inlined.
+ * The same bits as the libraries that come with the FMU: nothing is fused. GCC's vectoriser (12.2) fuses all the same
+ * wherever the processor can; in front of the system's headers, so that functions of theirs can still be inlined.
  */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
