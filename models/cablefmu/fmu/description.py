@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 from .. import __version__
+from .sources import compiled_files
 from .units import UNITS
 from .variables import Kind, Variable
 
@@ -178,13 +179,17 @@ def _fmi2(
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
-    ET.SubElement(root, "ModelExchange", {**capabilities, "completedIntegratorStepNotNeeded": "true"})
     stepping = {
         "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "true",
         "maxOutputDerivativeOrder": "1",
     }
-    ET.SubElement(root, "CoSimulation", {**capabilities, **stepping})
+    interfaces = {"ModelExchange": {"completedIntegratorStepNotNeeded": "true"}, "CoSimulation": stepping}
+    for interface, own in interfaces.items():
+        element = ET.SubElement(root, interface, {**capabilities, **own})
+        listing = ET.SubElement(element, "SourceFiles")
+        for file in compiled_files(identifier):
+            ET.SubElement(listing, "File", name=file)
     # Time needs no variable in FMI 2.
     variables = [variable for variable in variables if variable.kind is not Kind.TIME]
     _add_units(root, variables)
