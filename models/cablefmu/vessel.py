@@ -94,7 +94,7 @@ class CsvTable(Table):
             try:
                 read_samples(context.read(file))
             except CsvError as mistake:
-                raise u.refusal(f"{file}: {mistake}") from None
+                raise u.refusal(str(mistake)) from None
         return file
 
 
