@@ -96,7 +96,9 @@ MISTAKES: dict[str, tuple[object, list[str]]] = {
         {"kind": "csv", "file": "a.csv"}, ['ship.toml: vessel.file = "a.csv": there is no such file']
     ),
     "file is a folder": ({"kind": "csv", "file": "."}, ['ship.toml: vessel.file = ".": there is no such file']),
-    "name of a file": ({"kind": "csv", "file": "a\0b"}, ['ship.toml: vessel.file = "a\\u0000b": there is no such file']),
+    "name of a file": (
+        {"kind": "csv", "file": "a\0b"}, ['ship.toml: vessel.file = "a\\u0000b": there is no such file']
+    ),
 }  # fmt: skip
 
 

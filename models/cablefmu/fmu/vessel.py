@@ -101,7 +101,7 @@ def _about(vessel: Vessel, variables: list[Variable]) -> dict[str, Any]:
         case SinesTable():
             about["sines"] = {"x": len(table.x or ()), "y": len(table.y or ())}
         case CsvTable():
-            about |= {"file": table.file, "samples": vessel.samples}
+            about |= {"file": Path(table.file).name, "samples": vessel.samples}
     return about
 
 
