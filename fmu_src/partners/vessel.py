@@ -159,8 +159,7 @@ class Body:
         now = inputs[f"F_{axis}"]
         if self.extrapolation == "given":
             return now, inputs[f"der(F_{axis})"], inputs[f"der(F_{axis},2)"]
-        # Newton's divided differences through now and the past, of as many orders as there is past: the first step
-        # holds.
+        # Newton's divided differences through now and what there is of the past: the first step holds.
         known = [(time, now), *((entry[0], entry[1 + place]) for entry in self.past)]
         slopes = [(f1 - f0) / (t1 - t0) for (t1, f1), (t0, f0) in pairwise(known)]
         if len(slopes) < 2:
@@ -250,10 +249,10 @@ class Vessel(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     def check_step(self, point: float, step: float) -> None:
         at, slack = f"doStep at t = {self.time:.9g} s:", drift(self.time, step)
-        if not (math.isfinite(step) and step > 0.0):
-            raise ValueError(f"{at} communication step {step} s; a number above 0 is expected")
         if not abs(point - self.time) <= slack:
             raise ValueError(f"{at} communication point {point} s is not where the last step ended")
+        if not point < point + step < math.inf:
+            raise ValueError(f"{at} communication step {step} s; a number above 0 that moves time on is expected")
         if point + step - self.stop_time > slack:
             raise ValueError(f"{at} communication step {step} s leads past the stop time, {self.stop_time} s")
 
@@ -337,8 +336,8 @@ class Vessel(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             if held["vessel"] != self.identity:
                 raise ValueError("the state is of another vessel")
             self.time, self.initialised, self.stop_time = held["time"], held["initialised"], math.inf
-            self.parameters, self.inputs = held["parameters"], held["inputs"]
-            self.motion = self.at_start()
+            self.parameters.update(held["parameters"])  # in place: the motion reads the same
+            self.inputs.update(held["inputs"])
             self.motion.recall(held["memory"])
             self.known = None
 
