@@ -400,7 +400,7 @@ MISTAKES: dict[str, tuple[Callable[[Host], object], str]] = {
     "output": (lambda host: host.set(ax=1.0), "ax = 1.0 at t = 0.3 s: it is calculated and cannot be set"),
     "no step": (lambda host: host.step(0.3, 0.0), "doStep at t = 0.3 s: communication step 0.0 s; a number above 0"),
     "NaN step": (lambda host: host.step(0.3, float("nan")), "communication step nan s; a number above 0"),
-    "too short": (lambda host: host.step(0.3, 1e-18), "communication step 1e-18 s; a number above 0 that moves time on"),
+    "too short": (lambda host: host.step(0.3, 1e-18), "step 1e-18 s; a number above 0 that moves time on"),
     "NaN point": (lambda host: host.step(float("nan"), 0.1), "communication point nan s is not where the last step"),
     "elsewhere": (lambda host: host.step(0.4, 0.1), "communication point 0.4 s is not where the last step ended"),
     "too strong": (
