@@ -39,7 +39,13 @@ def model_identifier(name: str) -> str:
 
 
 def describe(
-    version: int, *, name: str, description: str, token: str, variables: list[Variable], experiment: Experiment
+    version: int,
+    *,
+    name: str,
+    description: str,
+    token: str,
+    variables: list[Variable],
+    experiment: Experiment | None = None,
 ) -> bytes:
     """The XML text of modelDescription.xml.
 
@@ -54,7 +60,7 @@ def describe(
     variables
         In order of value references.
     experiment
-        Defaults for hosts.
+        Defaults for hosts, if there are any.
     """
     common = {
         "modelName": name,
@@ -107,7 +113,9 @@ def _add_log_categories(root: ET.Element) -> None:
         ET.SubElement(categories, "Category", name=name, description=description)
 
 
-def _add_experiment(root: ET.Element, experiment: Experiment) -> None:
+def _add_experiment(root: ET.Element, experiment: Experiment | None) -> None:
+    if experiment is None:
+        return
     ET.SubElement(
         root, "DefaultExperiment", startTime="0.0", stopTime=_number(experiment.stop_time),
         tolerance=_number(experiment.tolerance), stepSize=_number(experiment.step),
@@ -165,7 +173,11 @@ def _dependencies(variable: Variable, at_start: bool) -> tuple[int, ...] | None:
 
 
 def _fmi2(
-    common: dict[str, str], identifier: str, token: str, variables: list[Variable], experiment: Experiment
+    common: dict[str, str],
+    identifier: str,
+    token: str,
+    variables: list[Variable],
+    experiment: Experiment | None,
 ) -> ET.Element:
     root = ET.Element(
         "fmiModelDescription", {"fmiVersion": "2.0", "guid": token, **common, "numberOfEventIndicators": "0"}
@@ -235,7 +247,11 @@ def _fmi2_structure(root: ET.Element, variables: list[Variable], place: dict[int
 
 
 def _fmi3(
-    common: dict[str, str], identifier: str, token: str, variables: list[Variable], experiment: Experiment
+    common: dict[str, str],
+    identifier: str,
+    token: str,
+    variables: list[Variable],
+    experiment: Experiment | None,
 ) -> ET.Element:
     root = ET.Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token, **common})
     capabilities = {
