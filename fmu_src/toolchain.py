@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
+import shutil
 import struct
 import subprocess
 import sys
@@ -40,6 +41,9 @@ UNIVERSAL = ("universal-darwin", ("x86_64-darwin", "aarch64-darwin"))
 STAMP = "source_hash.txt"
 """In each platform's folder: of which sources its libraries are."""
 
+SUFFIXES = {".c", ".h", ".def"}
+"""Of C sources, headers and tables."""
+
 REQUIREMENTS = ["ziglang==0.17.1", "fmpy>=0.3.23,<0.4"]
 """What compiling needs from PyPI: the compiler (pinned: its output is hashed), and FMPy for the FMI headers."""
 
@@ -63,6 +67,11 @@ def fmi_sources() -> list[Path]:
 def kernel_api_sources() -> list[Path]:
     """What Python calls of the kernel without an FMU."""
     return sorted((HERE / "kernel_api").glob("*.c"))
+
+
+def fmu_sources() -> list[Path]:
+    """All that an FMU's library is made of, headers and tables included."""
+    return sorted(path for name in ("kernel", "fmi") for path in (HERE / name).iterdir() if path.suffix in SUFFIXES)
 
 
 def partner_sources() -> list[Path]:
@@ -96,7 +105,7 @@ def source_hash() -> str:
         p
         for folder in ("kernel", "fmi", "kernel_api", "windows")
         for p in (HERE / folder).iterdir()
-        if p.suffix in {".c", ".h", ".def"}
+        if p.suffix in SUFFIXES
     )
     for path in [*files, *partner_sources(), Path(__file__)]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes().replace(b"\r\n", b"\n"))
@@ -214,7 +223,12 @@ def build_binaries(folder: Path, platforms: Iterable[str] = TARGETS) -> None:
 
 
 def copy_texts(folder: Path) -> None:
-    """Into `folder` what is not compiled: the variable table, the partners' scripts, the licence."""
+    """Into `folder` what is not compiled: the variable table, the C sources, the partners' scripts, the licence."""
+    shutil.rmtree(folder / "sources", ignore_errors=True)  # files that are gone
+    for path in fmu_sources():
+        copy = folder / "sources" / path.relative_to(HERE)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(path.read_bytes())
     (folder / "partners").mkdir(parents=True, exist_ok=True)
     for path in partner_sources():
         (folder / "partners" / path.name).write_bytes(path.read_bytes())

@@ -116,7 +116,7 @@ static Changes no_changes(const Instance *instance)
 }
 
 /* NULL for what has none. */
-static double *place_of(Changes *changes, const Variable *variable, Span span)
+static double *entry_of(Changes *changes, const Variable *variable, Span span)
 {
     switch (variable->kind) {
     case VARIABLE_STATE: return &changes->of_states[span.first];
@@ -139,7 +139,7 @@ static void add_seeds(const Instance *instance, Changes *changes, References ref
     for (size_t k = 0; k < references.count; k++) {
         const Variable *variable = &instance->resource.variable[references.reference[k]];
         const Span span = instance_span(instance, variable);
-        double *place = place_of(changes, variable, span);
+        double *place = entry_of(changes, variable, span);
         for (size_t i = 0; place && i < span.count; i++) place[i] += seed[i];
         seed += span.count;
     }
@@ -150,7 +150,7 @@ static Status take_results(Instance *instance, Changes *changes, References refe
     for (size_t k = 0; k < references.count; k++) {
         const Variable *variable = &instance->resource.variable[references.reference[k]];
         const Span span = instance_span(instance, variable);
-        const double *place = place_of(changes, variable, span);
+        const double *place = entry_of(changes, variable, span);
         for (size_t i = 0; i < span.count; i++) {
             if (place && !isfinite(place[i]))
                 return instance_refuse(instance, variable, NULL, "its derivative is beyond the range of numbers");

@@ -18,7 +18,7 @@ static bool ask(void *owner, double time)
     return true;
 }
 
-static bool tell(void *owner, double time, double *end)
+static bool tell_host(void *owner, double time, double *end)
 {
     const Component *component = owner;
     const bool may_return = component->may_return_early && time < *end;
@@ -48,6 +48,6 @@ bool fmi3_listen(Component *component, const fmi3ValueReference references[], si
     bool any_input;
     if (instance_check_intermediate(instance, references, count, &any_input) != STATUS_OK) return false;
     if (any_input) instance->host.intermediate = ask;
-    if (count || component->may_return_early) instance->host.accepted = tell;
+    if (count || component->may_return_early) instance->host.accepted = tell_host;
     return true;
 }

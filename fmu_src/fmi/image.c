@@ -225,7 +225,7 @@ void image_seal(uint8_t *bytes, size_t size)
     sha256(bytes, size, bytes + size);
 }
 
-static bool refuse(Text *why, const char *what, const char *found, const char *here)
+static bool refuse_image(Text *why, const char *what, const char *found, const char *here)
 {
     text_add(why, what);
     text_add(why, found);
@@ -239,7 +239,7 @@ static bool refuse_number(Text *why, const char *what, uint64_t found, uint64_t 
     Text found_text, here_text;
     text_start(&found_text), text_start(&here_text);
     text_integer(&found_text, found), text_integer(&here_text, here);
-    return refuse(why, what, found_text.line, here_text.line);
+    return refuse_image(why, what, found_text.line, here_text.line);
 }
 
 static bool refuse_damaged(Text *why)
@@ -259,7 +259,7 @@ static bool is_ours(Instance *instance, const Header *found, Text *why)
     if (strncmp(found->version, CABLE_VERSION, sizeof found->version) != 0) {
         char version[sizeof found->version + 1] = {0};
         memcpy(version, found->version, sizeof found->version);
-        return refuse(why, "its library's version is ", version, CABLE_VERSION);
+        return refuse_image(why, "its library's version is ", version, CABLE_VERSION);
     }
     const uint32_t layout = layout_of(instance);
     return found->layout == layout || refuse_number(why, "its layout is ", found->layout, layout);
@@ -275,12 +275,12 @@ static bool is_of_this_cable(const Instance *instance, const Header *found, Text
     if (strncmp(found->token, instance->token, sizeof found->token) != 0) {
         char token[sizeof found->token + 1] = {0};
         memcpy(token, found->token, sizeof found->token);
-        return refuse(why, "it is of another cable, whose token is ", token, instance->token);
+        return refuse_image(why, "it is of another cable, whose token is ", token, instance->token);
     }
     if (found->n != (uint32_t)instance->model.n)
         return refuse_number(why, "its number of links is ", found->n, (uint64_t)instance->model.n);
     return found->interface == (uint32_t)instance->interface ||
-           refuse(why, "its interface is ", name_of(found->interface), name_of(instance->interface));
+           refuse_image(why, "its interface is ", name_of(found->interface), name_of(instance->interface));
 }
 
 bool image_fits(Instance *instance, const uint8_t *bytes, Text *why)
@@ -298,7 +298,7 @@ static bool checksum_matches(const uint8_t *bytes, size_t size)
 }
 
 /* Whoever makes a checksum of his own may have put any numbers in front of it. */
-static bool values_are_sane(Instance *instance, const uint8_t *bytes, size_t size)
+static bool values_are_finite(Instance *instance, const uint8_t *bytes, size_t size)
 {
     Stream stream = {.way = CHECKING, .in = bytes, .used = sizeof(Header), .size = size, .is_good = true};
     const Needed needed = pass_members(&stream, instance);
@@ -317,7 +317,7 @@ bool image_is_sound(Instance *instance, const uint8_t *bytes, size_t size, Text 
     if (size != expected) return refuse_number(why, "its bytes are ", size, expected);
     if (!checksum_matches(bytes, (size_t)found.size)) return refuse_damaged(why);
     if (!is_of_this_cable(instance, &found, why)) return false;
-    return values_are_sane(instance, bytes, (size_t)found.size) || refuse_damaged(why);
+    return values_are_finite(instance, bytes, (size_t)found.size) || refuse_damaged(why);
 }
 
 void image_read(Instance *instance, const uint8_t *bytes)

@@ -103,7 +103,7 @@ static size_t doubles_of(const Resource *resource, int n)
 }
 
 /* The constants that the resource file gives, and where every array lives in the one block. */
-static void lay_out(Instance *instance, int n)
+static void lay_out_instance(Instance *instance, int n)
 {
     const Resource *resource = &instance->resource;
     Model *model = &instance->model;
@@ -137,11 +137,11 @@ bool instance_size(Instance *instance, int n)
     if (!block) return false;
     free(instance->block);
     instance->block = block;
-    lay_out(instance, n);
+    lay_out_instance(instance, n);
     return true;
 }
 
-static Instance *refuse(Instance *instance, const Text *why)
+static Instance *abandon(Instance *instance, const Text *why)
 {
     instance_fail(instance, why);
     instance_free(instance);
@@ -159,7 +159,7 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
     }
     instance->host = host;
     instance->interface = interface;
-    if (!resource_read(&instance->resource, resource_directory, &why)) return refuse(instance, &why);
+    if (!resource_read(&instance->resource, resource_directory, &why)) return abandon(instance, &why);
 
     resource_token(&instance->resource, instance->token);
     if (!token || strcmp(token, instance->token) != 0) {
@@ -167,15 +167,15 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
         text_add(&why, token ? token : "(none)");
         text_add(&why, " does not belong to " RESOURCE_NAME ", whose token is ");
         text_add(&why, instance->token);
-        return refuse(instance, &why);
+        return abandon(instance, &why);
     }
     if (instance->resource.whole && !host.takes_arrays) {
         text_add(&why, RESOURCE_NAME " is that of a cable with arrays, which FMI 2 does not have");
-        return refuse(instance, &why);
+        return abandon(instance, &why);
     }
     if (!instance_size(instance, (int)instance->resource.n)) {
         text_add(&why, "out of memory");
-        return refuse(instance, &why);
+        return abandon(instance, &why);
     }
     start_over(instance);
     return instance;

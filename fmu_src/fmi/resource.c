@@ -110,7 +110,7 @@ static const double *take(const double **next, size_t count)
 }
 
 /* Sets the pointers; false unless counts, sizes and kinds are as this library expects them. */
-static bool lay_out(Resource *resource)
+static bool lay_out_file(Resource *resource)
 {
     const uint8_t *bytes = resource->bytes;
     if (resource->size < HEADER_BYTES || memcmp(bytes, "CABLEFMU", 8) != 0) return false;
@@ -192,7 +192,7 @@ static bool read_file(Resource *resource, const char *path, Text *why)
     const char *trouble = read_all(file, resource);
     fclose(file);
     if (trouble) return fail(why, path, trouble);
-    if (!lay_out(resource)) return fail(why, path, "is not a cable of this version, or is damaged");
+    if (!lay_out_file(resource)) return fail(why, path, "is not a cable of this version, or is damaged");
     if (!values_are_sane(resource) || !variables_are_sane(resource)) return fail(why, path, "holds impossible values");
     return true;
 }

@@ -15,7 +15,7 @@ struct State {
 
 static const uint64_t MARK = 0x5441545345424143u;
 
-static Status refuse(Instance *instance, const char *call, const char *why)
+static Status refuse_state(Instance *instance, const char *call, const char *why)
 {
     Text text;
     text_start(&text);
@@ -27,7 +27,7 @@ static Status refuse(Instance *instance, const char *call, const char *why)
 
 static Status refuse_handle(Instance *instance, const char *call)
 {
-    return refuse(instance, call, "this is not a state of the FMU, or was freed");
+    return refuse_state(instance, call, "this is not a state of the FMU, or was freed");
 }
 
 static const State *known(const void *handle)
@@ -78,7 +78,7 @@ static State *state_for(Instance *instance, void **handle, size_t size, const ch
 {
     State *state = NULL;
     if (!handle) {
-        refuse(instance, call, "a null pointer was given");
+        refuse_state(instance, call, "a null pointer was given");
         return NULL;
     }
     if (*handle && !known(*handle)) {
@@ -88,7 +88,7 @@ static State *state_for(Instance *instance, void **handle, size_t size, const ch
     state = *handle ? *handle : state_new(instance);
     if (state && make_room(state, size)) return state;
     if (state && !*handle) state_delete(state);
-    refuse(instance, call, "out of memory");
+    refuse_state(instance, call, "out of memory");
     return NULL;
 }
 
@@ -108,7 +108,7 @@ Status state_set(Instance *instance, const void *handle)
     if (!state) return refuse_handle(instance, CALL);
     Text why;
     text_start(&why);
-    if (!image_fits(instance, state->image, &why)) return refuse(instance, CALL, why.line);
+    if (!image_fits(instance, state->image, &why)) return refuse_state(instance, CALL, why.line);
     image_read(instance, state->image);
     return STATUS_OK;
 }
@@ -127,7 +127,7 @@ Status state_size(Instance *instance, const void *handle, size_t *size)
     static const char CALL[] = "the size of a serialized state";
     const State *state = known(handle);
     if (!state) return refuse_handle(instance, CALL);
-    if (!size) return refuse(instance, CALL, "a null pointer was given");
+    if (!size) return refuse_state(instance, CALL, "a null pointer was given");
     *size = state->size + IMAGE_CHECKSUM;
     return STATUS_OK;
 }
@@ -137,14 +137,14 @@ Status state_serialize(Instance *instance, const void *handle, uint8_t *bytes, s
     static const char CALL[] = "serializing a state";
     const State *state = known(handle);
     if (!state) return refuse_handle(instance, CALL);
-    if (!bytes) return refuse(instance, CALL, "a null pointer was given");
+    if (!bytes) return refuse_state(instance, CALL, "a null pointer was given");
     if (size != state->size + IMAGE_CHECKSUM) {
         Text text;
         text_start(&text);
         text_integer(&text, size);
         text_add(&text, " bytes were given; expected are ");
         text_integer(&text, state->size + IMAGE_CHECKSUM);
-        return refuse(instance, CALL, text.line);
+        return refuse_state(instance, CALL, text.line);
     }
     memcpy(bytes, state->image, state->size);
     image_seal(bytes, state->size);
@@ -154,10 +154,10 @@ Status state_serialize(Instance *instance, const void *handle, uint8_t *bytes, s
 Status state_deserialize(Instance *instance, const uint8_t *bytes, size_t size, void **handle)
 {
     static const char CALL[] = "deserializing a state";
-    if (!bytes) return refuse(instance, CALL, "a null pointer was given");
+    if (!bytes) return refuse_state(instance, CALL, "a null pointer was given");
     Text why;
     text_start(&why);
-    if (!image_is_sound(instance, bytes, size, &why)) return refuse(instance, CALL, why.line);
+    if (!image_is_sound(instance, bytes, size, &why)) return refuse_state(instance, CALL, why.line);
     State *state = state_for(instance, handle, size - IMAGE_CHECKSUM, CALL);
     if (!state) return STATUS_ERROR;
     memcpy(state->image, bytes, state->size);

@@ -14,10 +14,10 @@
  * from any start. phi has a kink where a link carries nothing, and if that is the minimum, these links do not fit.
  * Newton crawls along kinks, so they are rounded off, T = sqrt(H^2 + (V - W)^2 + r^2), and sharpened step by step.
  */
-static const double ROUNDING[] = {1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 0.0};
+static const double ROUNDINGS[] = {1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 0.0};
 static const double ARMIJO = 1e-4; /* share of the decrease that the slope promises that a step must bring */
 static const double SHORTEST_STEP = 1e-10, LARGEST_STEP = 1e20;
-static const double PI = 3.14159265358979323846;
+static const double HALF_TURN = 3.14159265358979323846;
 enum { MOST_STEPS = 100, MOST_CORRECTIONS = 3, BATCH = 64 };
 
 /* In units of the cable's length and of its links' weights, all taken positive. */
@@ -39,7 +39,7 @@ typedef struct {
     Square hessian;
 } Look;
 
-static Look look(const Hanging *cable, const double pull[2], double rounding)
+static Look look_at(const Hanging *cable, const double pull[2], double rounding)
 {
     Look seen = {.miss = {-cable->span[0], -cable->span[1]}};
     double above = 0.0;
@@ -73,7 +73,7 @@ static bool solve(Square matrix, const double right[2], double least, double ans
     return true;
 }
 
-static double size_of(const double vector[2])
+static double norm(const double vector[2])
 {
     return sqrt(vector[0] * vector[0] + vector[1] * vector[1]);
 }
@@ -83,14 +83,14 @@ static bool step_down(const Hanging *cable, double pull[2], double rounding, Loo
 {
     double step[2];
     const double against[2] = {-seen->miss[0], -seen->miss[1]};
-    if (!solve(seen->hessian, against, 0.0, step) || !(size_of(step) < LARGEST_STEP)) return false;
+    if (!solve(seen->hessian, against, 0.0, step) || !(norm(step) < LARGEST_STEP)) return false;
     const double slope = seen->miss[0] * step[0] + seen->miss[1] * step[1];
     for (double reach = 1.0; reach > SHORTEST_STEP; reach *= 0.5) {
         const double there[2] = {pull[0] + reach * step[0], pull[1] + reach * step[1]};
-        const Look trial = look(cable, there, rounding);
+        const Look trial = look_at(cable, there, rounding);
         /* Near the minimum phi is flat to rounding, and the miss alone tells a good step. */
         const bool is_lower = trial.value < seen->value + ARMIJO * reach * slope;
-        if (!is_lower && !(size_of(trial.miss) < 0.5 * size_of(seen->miss))) continue;
+        if (!is_lower && !(norm(trial.miss) < 0.5 * norm(seen->miss))) continue;
         pull[0] = there[0], pull[1] = there[1];
         *seen = trial;
         return true;
@@ -100,9 +100,9 @@ static bool step_down(const Hanging *cable, double pull[2], double rounding, Loo
 
 static void minimise(const Hanging *cable, double pull[2])
 {
-    for (unsigned k = 0; k < sizeof ROUNDING / sizeof *ROUNDING; k++) {
-        Look seen = look(cable, pull, ROUNDING[k]);
-        for (int step = 0; step < MOST_STEPS && step_down(cable, pull, ROUNDING[k], &seen); step++) {
+    for (unsigned k = 0; k < sizeof ROUNDINGS / sizeof *ROUNDINGS; k++) {
+        Look seen = look_at(cable, pull, ROUNDINGS[k]);
+        for (int step = 0; step < MOST_STEPS && step_down(cable, pull, ROUNDINGS[k], &seen); step++) {
         }
     }
 }
@@ -111,9 +111,9 @@ static void minimise(const Hanging *cable, double pull[2])
 static double rough_angle(double x, double y)
 {
     const double ax = fabs(x), ay = fabs(y), larger = fmax(ax, ay), ratio = larger > 0.0 ? fmin(ax, ay) / larger : 0.0;
-    double angle = ratio * (PI / 4.0 + 0.273 * (1.0 - ratio));
-    if (ax > ay) angle = PI / 2.0 - angle;
-    if (y < 0.0) angle = PI - angle;
+    double angle = ratio * (HALF_TURN / 4.0 + 0.273 * (1.0 - ratio));
+    if (ax > ay) angle = HALF_TURN / 2.0 - angle;
+    if (y < 0.0) angle = HALF_TURN - angle;
     return x < 0.0 ? -angle : angle;
 }
 
@@ -140,7 +140,7 @@ static void hang(const Hanging *cable, const double pull[2], double *angle)
         for (int k = 0; k < count; k++) {
             const double weight = cable->weight[first + k] / cable->scale;
             const double along[2] = {pull[0], pull[1] - (above + weight / 2.0)};
-            const double size = fmax(size_of(along), DBL_MIN);
+            const double size = fmax(norm(along), DBL_MIN);
             x[k] = along[0] / size, y[k] = along[1] / size;
             above += weight;
         }
@@ -167,12 +167,12 @@ static Square reach_for(const Hanging *cable, const double end[2], const double 
 }
 
 /* To the last digits: Newton's method on the two equations, by the smallest change of angles. The last miss [m]. */
-static double meet(const Hanging *cable, const double end[2], double *angle)
+static double meet_end(const Hanging *cable, const double end[2], double *angle)
 {
     double miss[2], share[2], sine[BATCH], cosine[BATCH];
     Square square = reach_for(cable, end, angle, miss);
-    for (int k = 0; k < MOST_CORRECTIONS && size_of(miss) <= CATENARY_MISS; k++) {
-        if (size_of(miss) <= 1e-15 * cable->total || !solve(square, miss, 1e-12, share)) break;
+    for (int k = 0; k < MOST_CORRECTIONS && norm(miss) <= CATENARY_MISS; k++) {
+        if (norm(miss) <= 1e-15 * cable->total || !solve(square, miss, 1e-12, share)) break;
         for (int first = 0; first < cable->n; first += BATCH) {
             const int count = cable->n - first < BATCH ? cable->n - first : BATCH;
             sincos_array_portable(count, angle + first, sine, cosine);
@@ -181,7 +181,7 @@ static double meet(const Hanging *cable, const double end[2], double *angle)
         }
         square = reach_for(cable, end, angle, miss);
     }
-    return size_of(miss);
+    return norm(miss);
 }
 
 CatenaryStatus catenary(int n, const double *length, const double *weight, const double end[2], double *angle,
@@ -190,7 +190,7 @@ CatenaryStatus catenary(int n, const double *length, const double *weight, const
     Hanging cable = {.n = n, .length = length, .weight = weight};
     double sum = 0.0;
     for (int i = 0; i < n; i++) cable.total += length[i], cable.scale += fabs(weight[i]), sum += weight[i];
-    if (!(size_of(end) < cable.total)) return CATENARY_TOO_SHORT;
+    if (!(norm(end) < cable.total)) return CATENARY_TOO_SHORT;
     if (cable.scale == 0.0) return CATENARY_WEIGHTLESS;
     if (!isfinite(cable.total + cable.scale)) return CATENARY_NO_FIT;
     cable.span[0] = end[0] / cable.total, cable.span[1] = end[1] / cable.total;
@@ -200,5 +200,5 @@ CatenaryStatus catenary(int n, const double *length, const double *weight, const
     minimise(&cable, pull);
     hang(&cable, pull, angle);
     pull[0] *= cable.scale, pull[1] *= cable.scale;
-    return meet(&cable, end, angle) <= CATENARY_MISS ? CATENARY_OK : CATENARY_NO_FIT;
+    return meet_end(&cable, end, angle) <= CATENARY_MISS ? CATENARY_OK : CATENARY_NO_FIT;
 }

@@ -28,7 +28,7 @@
  * for a mass m on a spring-damper, and with c/m = 2 r, k/m = r^2, 1/m = 0 for a pin [terminal.c].
  */
 
-enum { SPARE = 2 }; /* entries of q beyond n */
+enum { SPARE_LINEAR = 2 }; /* entries of q beyond n */
 
 #define LINEAR_ARRAYS(w)                                                                                               \
     &(w)->sine, &(w)->cosine, &(w)->rate, &(w)->turn, &(w)->force_x, &(w)->force_y, &(w)->pull, &(w)->drag,            \
@@ -41,13 +41,13 @@ size_t linear_doubles(int n)
 {
     Linear linear;
     double **const array[] = {LINEAR_ARRAYS(&linear)};
-    return sizeof array / sizeof *array * ((size_t)n + SPARE);
+    return sizeof array / sizeof *array * ((size_t)n + SPARE_LINEAR);
 }
 
 void linear_layout(Linear *linear, int n, double *block)
 {
     double **const array[] = {LINEAR_ARRAYS(linear)};
-    for (size_t k = 0; k < sizeof array / sizeof *array; k++) *array[k] = block + k * ((size_t)n + SPARE);
+    for (size_t k = 0; k < sizeof array / sizeof *array; k++) *array[k] = block + k * ((size_t)n + SPARE_LINEAR);
 }
 
 /* R down the cable as in tension.c, and e.(R_i + R_{i+1}). */

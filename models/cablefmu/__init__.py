@@ -9,12 +9,14 @@
 
 __version__ = "0.1.0"
 
-from .errors import CableError, FmuError, OptionError, RunError, SceneError, UserError
+from .errors import CableError, FmuError, OptionError, RunError, SceneError, UserError, VesselError
 from .fmu.archive import build_fmu
 from .fmu.twin import build_twin
+from .fmu.vessel import build_vessel
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .statics import Equilibrium, Modes, end_stiffness, equilibrium, modes
+from .vessel import Vessel
 
 __all__ = [
     "CableError",
@@ -26,9 +28,12 @@ __all__ = [
     "Scene",
     "SceneError",
     "UserError",
+    "Vessel",
+    "VesselError",
     "__version__",
     "build_fmu",
     "build_twin",
+    "build_vessel",
     "end_stiffness",
     "equilibrium",
     "load_scene",

@@ -7,7 +7,8 @@
     │   ├── SceneError   something in a scene file (or in a file that it names)
     │   ├── OptionError  a command-line option or an argument of the Python API
     │   ├── FmuError     an archive that is not one of ours, or is damaged
-    │   └── StateError   a saved state that is none, is damaged, or is of another run
+    │   ├── StateError   a saved state that is none, is damaged, or is of another run
+    │   └── VesselError  something in a vessel's table (or in a file that it names)
     └── RunError         a run that could not go on; status 1, results up to then are kept
 
 Every message is whole sentences for a person: what is wrong, where, and what is allowed.
@@ -15,7 +16,7 @@ Every message is whole sentences for a person: what is wrong, where, and what is
 
 from __future__ import annotations
 
-__all__ = ["CableError", "FmuError", "OptionError", "RunError", "SceneError", "StateError", "UserError"]
+__all__ = ["CableError", "FmuError", "OptionError", "RunError", "SceneError", "StateError", "UserError", "VesselError"]
 
 
 class CableError(Exception):
@@ -44,6 +45,10 @@ class FmuError(UserError):
 
 class StateError(UserError):
     """A file that was given as a saved state and cannot be gone on from."""
+
+
+class VesselError(UserError):
+    """One or more mistakes in a vessel's table, one line each: where, key, value, what is allowed."""
 
 
 class RunError(CableError):

@@ -62,12 +62,12 @@ def nearest(word: str, allowed: Iterable[str]) -> str:
     return f"{near}allowed: {', '.join(names)}"
 
 
-def mistakes_of(error: ValidationError) -> list[Mistake]:
-    """Translate what pydantic found."""
-    return [_mistake(dict(details)) for details in error.errors(include_url=False)]
+def mistakes_of(error: ValidationError, root: type[BaseModel] = Spec) -> list[Mistake]:
+    """Translate what pydantic found while it read a table of type `root`."""
+    return [_mistake(dict(details), root) for details in error.errors(include_url=False)]
 
 
-def _mistake(details: dict[str, Any]) -> Mistake:
+def _mistake(details: dict[str, Any], root: type[BaseModel]) -> Mistake:
     loc: tuple[int | str, ...] = details["loc"]
     context: dict[str, Any] = details.get("ctx", {})
     value = details["input"]
@@ -76,13 +76,15 @@ def _mistake(details: dict[str, Any]) -> Mistake:
         case "missing" if isinstance(loc[-1], int):
             return Mistake(_key(loc[:-1]), "a list with 2 entries (x and y) is expected", value)
         case "missing":
-            return Mistake(key, f"this key is missing; {_wanted(loc)}")
+            return Mistake(key, f"this key is missing; {_wanted(loc, root)}")
         case "extra_forbidden":
-            return Mistake(key, f"unknown key; {nearest(str(loc[-1]), _tables_at(loc[:-1])[0].model_fields)}", value)
+            return Mistake(
+                key, f"unknown key; {nearest(str(loc[-1]), _tables_at(loc[:-1], root)[0].model_fields)}", value
+            )
         case "union_tag_invalid" | "union_tag_not_found":
             name = context["discriminator"].strip("'")
             allowed = re.findall(r"'([^']*)'", context.get("expected_tags", "")) or [
-                tag for model in _tables_at(loc) for tag in _tags(model)
+                tag for model in _tables_at(loc, root) for tag in _tags(model)
             ]
             given = value.get(name, _NOTHING) if isinstance(value, dict) else _NOTHING
             text = f"this key is missing; allowed: {', '.join(allowed)}"
@@ -129,9 +131,9 @@ def _steps(loc: tuple[int | str, ...]) -> Iterable[tuple[int | str, bool]]:
         yield part, not (isinstance(part, str) and (is_kind or (part in MARKS and k >= 2)))
 
 
-def _tables_at(loc: tuple[int | str, ...]) -> list[type[BaseModel]]:
+def _tables_at(loc: tuple[int | str, ...], root: type[BaseModel]) -> list[type[BaseModel]]:
     """The models that may read the table at a location: one, unless its kind is still open."""
-    choices: list[type[BaseModel]] = [Spec]
+    choices: list[type[BaseModel]] = [root]
     for part, is_key in _steps(loc):
         if isinstance(part, str) and is_key:
             choices = _models_in(choices[0].model_fields[part].annotation)
@@ -160,9 +162,9 @@ def _all_tags(key: str) -> list[str]:
     return [tag for model in _models_in(Spec.model_fields[key].annotation) for tag in _tags(model)]
 
 
-def _wanted(loc: tuple[int | str, ...]) -> str:
+def _wanted(loc: tuple[int | str, ...], root: type[BaseModel]) -> str:
     """What belongs to a key that is missing."""
-    field = _tables_at(loc[:-1])[0].model_fields[str(loc[-1])]
+    field = _tables_at(loc[:-1], root)[0].model_fields[str(loc[-1])]
     measures = _measures_in(field.annotation, field.metadata)
     if measures:
         return measures[0].expected

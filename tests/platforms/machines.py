@@ -47,14 +47,14 @@ class Machine:
             toolchain().build_program(path, HOST, self.platform)
         return path
 
-    def run(self, run: Run, folder: Path) -> Floats:
-        """All outputs at every communication point, shape (steps + 1, outputs)."""
+    def run(self, run: Run, folder: Path, library: Path | None = None) -> Floats:
+        """All outputs at every communication point, shape (steps + 1, outputs); of another library if one is given."""
         for program in self.runner[:1]:
             assert shutil.which(program), f"{program} is missing: apt-get install {self.package}"
         script, result = folder / "script", folder / f"result-{self.platform}"
         script.write_bytes(run.script)
         named = {
-            "HOST_LIBRARY": self.library, "HOST_RESOURCES": run.resources, "HOST_TOKEN": run.token,
+            "HOST_LIBRARY": library or self.library, "HOST_RESOURCES": run.resources, "HOST_TOKEN": run.token,
             "HOST_SCRIPT": script, "HOST_RESULT": result,
         }  # fmt: skip
         quiet = {"WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml=", "WINEPREFIX": str(folder / "wine")}

@@ -21,6 +21,7 @@ from .description import Experiment, describe, model_identifier
 from .documentation import DOCUMENTATION, documentation
 from .platforms import binaries
 from .resource import RESOURCE_NAME, resource_bytes, token_of
+from .sources import FOLDER, sources
 from .terminals import icon_png, terminals_and_icons
 from .variables import Variable, variables_of
 
@@ -89,6 +90,7 @@ def _members(scene: Scene, fmi: int, whole: Whole | None, libraries: Mapping[str
     resource = resource_bytes(scene.cable, variables, whole)
     experiment = Experiment(scene.stop_time, scene.step, scene.tolerance)
     package = files("cablefmu") / "binaries"
+    identifier = model_identifier(scene.name)
     members = {
         "modelDescription.xml": describe(
             fmi, name=scene.name, description=scene.description, token=token_of(resource), variables=variables,
@@ -102,15 +104,14 @@ def _members(scene: Scene, fmi: int, whole: Whole | None, libraries: Mapping[str
         ),
         "documentation/licenses/license.txt": (package / "LICENSE").read_bytes(),
         **terminals_and_icons(scene.cable, variables),
+        **{f"{FOLDER}/{name}": content for name, content in sources(fmi, identifier).items()},
     }  # fmt: skip
     if fmi == 2:
         members["model.png"] = icon_png()
     for name, content in scene.files.items():
         members[f"resources/{name}"] = content
     for folder, binary in libraries.items():
-        members[f"binaries/{folder}/{model_identifier(scene.name)}{Path(binary).suffix}"] = (
-            package / binary
-        ).read_bytes()
+        members[f"binaries/{folder}/{identifier}{Path(binary).suffix}"] = (package / binary).read_bytes()
     return members
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 from .. import __version__
+from .sources import compiled_files
 from .units import UNITS
 from .variables import Kind, Variable
 
@@ -38,7 +39,13 @@ def model_identifier(name: str) -> str:
 
 
 def describe(
-    version: int, *, name: str, description: str, token: str, variables: list[Variable], experiment: Experiment
+    version: int,
+    *,
+    name: str,
+    description: str,
+    token: str,
+    variables: list[Variable],
+    experiment: Experiment | None = None,
 ) -> bytes:
     """The XML text of modelDescription.xml.
 
@@ -53,7 +60,7 @@ def describe(
     variables
         In order of value references.
     experiment
-        Defaults for hosts.
+        Defaults for hosts, if there are any.
     """
     common = {
         "modelName": name,
@@ -106,7 +113,9 @@ def _add_log_categories(root: ET.Element) -> None:
         ET.SubElement(categories, "Category", name=name, description=description)
 
 
-def _add_experiment(root: ET.Element, experiment: Experiment) -> None:
+def _add_experiment(root: ET.Element, experiment: Experiment | None) -> None:
+    if experiment is None:
+        return
     ET.SubElement(
         root, "DefaultExperiment", startTime="0.0", stopTime=_number(experiment.stop_time),
         tolerance=_number(experiment.tolerance), stepSize=_number(experiment.step),
@@ -164,7 +173,11 @@ def _dependencies(variable: Variable, at_start: bool) -> tuple[int, ...] | None:
 
 
 def _fmi2(
-    common: dict[str, str], identifier: str, token: str, variables: list[Variable], experiment: Experiment
+    common: dict[str, str],
+    identifier: str,
+    token: str,
+    variables: list[Variable],
+    experiment: Experiment | None,
 ) -> ET.Element:
     root = ET.Element(
         "fmiModelDescription", {"fmiVersion": "2.0", "guid": token, **common, "numberOfEventIndicators": "0"}
@@ -178,13 +191,17 @@ def _fmi2(
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
-    ET.SubElement(root, "ModelExchange", {**capabilities, "completedIntegratorStepNotNeeded": "true"})
     stepping = {
         "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "true",
         "maxOutputDerivativeOrder": "1",
     }
-    ET.SubElement(root, "CoSimulation", {**capabilities, **stepping})
+    interfaces = {"ModelExchange": {"completedIntegratorStepNotNeeded": "true"}, "CoSimulation": stepping}
+    for interface, own in interfaces.items():
+        element = ET.SubElement(root, interface, {**capabilities, **own})
+        listing = ET.SubElement(element, "SourceFiles")
+        for file in compiled_files(identifier):
+            ET.SubElement(listing, "File", name=file)
     # Time needs no variable in FMI 2.
     variables = [variable for variable in variables if variable.kind is not Kind.TIME]
     _add_units(root, variables)
@@ -230,7 +247,11 @@ def _fmi2_structure(root: ET.Element, variables: list[Variable], place: dict[int
 
 
 def _fmi3(
-    common: dict[str, str], identifier: str, token: str, variables: list[Variable], experiment: Experiment
+    common: dict[str, str],
+    identifier: str,
+    token: str,
+    variables: list[Variable],
+    experiment: Experiment | None,
 ) -> ET.Element:
     root = ET.Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token, **common})
     capabilities = {

@@ -6,17 +6,8 @@ The slave itself is fmu_src/partners/twin.py, which travels in the package's bin
 from __future__ import annotations
 
 import json
-import sys
-import tempfile
-import zipfile
-from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
-from xml.etree import ElementTree as ET
-
-from pythonfmu import FmuBuilder
 
 from .. import __version__
 from ..cable import Initial
@@ -26,6 +17,7 @@ from ..scene import Scene, load_scene
 from .archive import write_zip
 from .description import Experiment, describe, model_identifier
 from .documentation import DOCUMENTATION, documentation
+from .python_slave import partner_script, slave_description, slave_members
 from .resource import token_of
 from .variables import Kind, Variable, variables_of
 
@@ -103,64 +95,19 @@ def scene_of_twin(resources: Path) -> Scene:
 
 
 def _packed(scene: Scene) -> dict[str, bytes]:
-    """What pythonfmu packs but its description: its library and its Python files, the slave, the scene's files."""
-    slave = files("cablefmu") / "binaries" / "partners" / "twin.py"
-    content = {
-        # One process may load twins of several scenes, and Python imports a module of one name only once.
-        f"twin_{model_identifier(scene.name)}.py": slave.read_bytes(),
+    """The slave with the scene's files."""
+    beside = {
         f"{scene.name}.toml": scene.text.encode(),
         _ORIGIN: json.dumps({"cablefmu": __version__, "scene": scene.name}).encode(),
         **scene.files,
     }
-    with tempfile.TemporaryDirectory(prefix="cablefmu-") as folder:
-        source, target = Path(folder) / "source", Path(folder) / "target"
-        for name, data in content.items():
-            file = source / name
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(data)
-        script = source / next(iter(content))
-        beside = [entry for entry in source.iterdir() if entry != script]
-        with _without_traces(script.stem):
-            packed = FmuBuilder.build_FMU(script, dest=target, project_files=beside)
-        with zipfile.ZipFile(packed) as archive:
-            return {name: archive.read(name) for name in archive.namelist() if name != "modelDescription.xml"}
-
-
-@contextmanager
-def _without_traces(module: str) -> Iterator[None]:
-    """pythonfmu imports the script that it packs, and leaves it and its folder in this process."""
-    path = sys.path.copy()
-    try:
-        yield
-    finally:
-        sys.path[:] = path
-        sys.modules.pop(module, None)
-
-
-_NOT_OFFERED = (
-    "canInterpolateInputs",
-    "canGetAndSetFMUstate",
-    "canSerializeFMUstate",
-    "providesDirectionalDerivative",
-)
+    return slave_members(partner_script("twin"), module=f"twin_{model_identifier(scene.name)}", beside=beside)
 
 
 def _description(scene: Scene, token: str) -> bytes:
-    """The native FMU's, of Co-Simulation only: pythonfmu's own has no units, no initial unknowns, but a date."""
-    experiment = Experiment(scene.stop_time, scene.step, scene.tolerance)
-    description = f"{scene.description}. {_REMARK}"
-    root = ET.fromstring(
-        describe(
-            2, name=scene.name, description=description, token=token, variables=twin_variables(scene),
-            experiment=experiment,
-        )
+    """The native FMU's, of Co-Simulation only."""
+    native = describe(
+        2, name=scene.name, description=f"{scene.description}. {_REMARK}", token=token,
+        variables=twin_variables(scene), experiment=Experiment(scene.stop_time, scene.step, scene.tolerance),
     )  # fmt: skip
-    root.set("generationTool", f"cablefmu {__version__} with PythonFMU {version('pythonfmu')}")
-    for model_exchange in root.findall("ModelExchange"):
-        root.remove(model_exchange)
-    for co_simulation in root.findall("CoSimulation"):
-        co_simulation.attrib |= {"needsExecutionTool": "true", "maxOutputDerivativeOrder": "0"}
-        co_simulation.attrib |= dict.fromkeys(_NOT_OFFERED, "false")
-    ET.indent(root, "  ")
-    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
-    return text + b"\n"
+    return slave_description(native, keeps_state=False)

@@ -23,6 +23,7 @@ _DEGREES = 180.0 / math.pi
 UNITS: dict[str, Unit] = {
     "1": Unit({}),
     "s": Unit({"s": 1}),
+    "Hz": Unit({"s": -1}),
     "m": Unit({"m": 1}),
     "m/s": Unit({"m": 1, "s": -1}),
     "m/s2": Unit({"m": 1, "s": -2}),
@@ -34,6 +35,8 @@ UNITS: dict[str, Unit] = {
     "kg/m3": Unit({"kg": 1, "m": -3}),
     "kg.m2": Unit({"kg": 1, "m": 2}),
     "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e-3}),
+    "N/s": Unit({"kg": 1, "m": 1, "s": -3}, {"kN/s": 1e-3}),
+    "N/s2": Unit({"kg": 1, "m": 1, "s": -4}, {"kN/s2": 1e-3}),
     "N.m2": Unit({"kg": 1, "m": 3, "s": -2}),
     "J": Unit({"kg": 1, "m": 2, "s": -2}, {"kJ": 1e-3}),
     "N/m": Unit({"kg": 1, "s": -2}, {"kN/m": 1e-3}),
