@@ -13,16 +13,16 @@ from collections.abc import Mapping
 import numpy as np
 
 from cablefmu import scene_schema as schema
-from cablefmu.cable import Cable, Drag, Floats, Initial, Links, SolverChoice, Terminal
+from cablefmu.cable import Cable, Drag, Floats, Initial, Links, SolverChoice, Terminal, Top
 from cablefmu.scene_mistakes import Mistake, MistakeFoundError
 from cablefmu.shapes import END_TOLERANCE, Catenary, NoCatenaryError, catenary, end_point, ending_at, straight
 from cablefmu.signals import Signal
 
 __all__ = ["assemble", "bending_stiffness"]
 
-_PLACED = (schema.AnchorSpringTable, schema.FloaterTable, schema.PinTable)
+_PLACED = (schema.AnchorSpringTable, schema.FloaterTable, schema.PinTable, schema.MotionEndTable)
 """Terminals whose place the equations of motion know."""
-_UNMOVED = (schema.AnchorMassTable, schema.PinTable)
+_UNMOVED = (schema.AnchorMassTable, schema.PinTable, schema.MotionEndTable)
 """Terminals that hold the cable's end from the start."""
 
 END_SLACK = 1e-3
@@ -39,7 +39,7 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
     spec
         What the scene file says.
     signals
-        Force over time of each input that the scene names.
+        Each input that the scene names over time, motions with their derivatives.
 
     Raises
     ------
@@ -50,24 +50,23 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
     weights = _submerged(links.mass, links.volume, spec) * spec.gravity
     cable_weight = _cable_weight(spec, weights)
     terminal_weight = _terminal_mass(spec) * spec.gravity
-    rest = _rest(spec, links.length, weights)
+    terminal = spec.terminal
+    surges = getattr(spec.top, "surges", False)
+    inputs = schema.inputs_of(spec.top.kind, surges, terminal.kind, getattr(terminal, "horizontal_force", False))
+    input_start = _input_start(spec, inputs, signals)
+    place = _place(spec, input_start)
+    rest = _rest(spec, links.length, weights, place)
     angles = _angles(spec, rest)
-    angles = _at_anchor(spec, links.length, angles)
-    static_load = spec.top.static_load
-    if static_load is None:
-        static_load = rest.vertical if rest is not None else cable_weight + terminal_weight
+    angles = _at_anchor(spec, links.length, angles, place)
+    hung = (rest.horizontal, rest.vertical) if rest is not None else (0.0, cable_weight + terminal_weight)
     parameters = {
         "g": spec.gravity,
-        "M_1": spec.top.mass,
-        "k_m1": spec.top.stiffness,
-        "c_m1": spec.top.damping,
-        "static_load": static_load,
+        **_top_parameters(spec.top, *hung),
         **_water_parameters(spec, links),
         **_joint_parameters(links),
         **_terminal_parameters(spec, rest, cable_weight, terminal_weight),
     }
-    terminal = spec.terminal
-    inputs = schema.inputs_of(terminal.kind, getattr(terminal, "horizontal_force", False))
+    position = np.concatenate([[0.0][: isinstance(spec.top, schema.FloaterTopTable)], angles, [0.0][:surges]])
     return Cable(
         name=name,
         links=links,
@@ -75,13 +74,45 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
         drag=_drag_kind(spec),
         parameters=parameters,
         inputs=inputs,
-        position=np.concatenate([[0.0], angles]),
-        velocity=np.zeros(len(links) + 1),
+        position=position,
+        velocity=np.zeros(len(position)),
         rest_position=terminal.position if isinstance(terminal, _PLACED) else (0.0, 0.0),
-        input_start={key: signals[key](0.0) for key in inputs if key in signals},
+        input_start=input_start,
         solver=SolverChoice(spec.run.solver),
         initial=Initial(spec.run.initial),
+        top=Top.FREE if surges else Top(spec.top.kind),
     )
+
+
+def _input_start(spec: schema.Spec, inputs: tuple[str, ...], signals: Mapping[str, Signal]) -> dict[str, float]:
+    """What is not 0 by the file: named signals, and where a vessel at the lower end rests."""
+    terminal = spec.terminal
+    is_vessel = isinstance(terminal, schema.MotionEndTable)
+    at_rest = dict(zip(("x_2", "y_2"), terminal.position, strict=True)) if is_vessel else {}
+    named = {key: signals[key](0.0) for key in inputs if key in signals}
+    return {key: (at_rest | named)[key] for key in inputs if key in at_rest | named}
+
+
+def _place(spec: schema.Spec, start: Mapping[str, float]) -> tuple[float, float]:
+    """The lower port from the upper one, both where they are at the start [m]; (0, 0) for a load."""
+    if isinstance(spec.terminal, schema.LoadTable):
+        return (0.0, 0.0)
+    x, y = spec.terminal.position
+    x, y = start.get("x_2", x), start.get("y_2", y)
+    return x - start.get("x_1", 0.0), y - start.get("y_1", 0.0)
+
+
+def _top_parameters(top: schema.TopTable, horizontal: float, vertical: float) -> dict[str, float]:
+    """Of floater 1, whose rest carries this pull of the cable [N]; none of a vessel."""
+    if isinstance(top, schema.MotionTopTable):
+        return {}
+    static_load = vertical if top.static_load is None else top.static_load
+    parameters = {"M_1": top.mass, "k_m1": top.stiffness, "c_m1": top.damping, "static_load": static_load}
+    if top.stiffness_horizontal is None or top.damping_horizontal is None:
+        return parameters
+    static_pull = horizontal if top.static_pull is None else top.static_pull
+    sideways = {"k_m1H": top.stiffness_horizontal, "c_m1H": top.damping_horizontal, "static_pull": static_pull}
+    return parameters | sideways
 
 
 # ---------------------------------------------------------------------------------------------------- links
@@ -153,7 +184,7 @@ def _submerged(mass: Floats, volume: Floats, spec: schema.Spec) -> Floats:
 def _terminal_mass(spec: schema.Spec) -> float:
     """Weight-carrying mass of the terminal [kg]: 0 for what floats, is neutrally buoyant or has no mass."""
     terminal = spec.terminal
-    if isinstance(terminal, schema.AnchorMassTable | schema.FloaterTable | schema.PinTable):
+    if isinstance(terminal, schema.AnchorMassTable | schema.FloaterTable | schema.PinTable | schema.MotionEndTable):
         return 0.0
     if spec.water is None:
         return terminal.mass
@@ -164,15 +195,14 @@ def _terminal_mass(spec: schema.Spec) -> float:
 # ---------------------------------------------------------------------------------------------------- shape
 
 
-def _rest(spec: schema.Spec, length: Floats, weights: Floats) -> Catenary | None:
+def _rest(spec: schema.Spec, length: Floats, weights: Floats, place: tuple[float, float]) -> Catenary | None:
     """Rest shape between the ports; None where the cable just hangs."""
     if isinstance(spec.terminal, schema.LoadTable):
         return None
-    position = spec.terminal.position
     try:
-        return catenary(length, weights, position)
+        return catenary(length, weights, place)
     except NoCatenaryError as reason:
-        raise MistakeFoundError(Mistake("terminal.position", str(reason), list(position))) from None
+        raise MistakeFoundError(Mistake("terminal.position", str(reason), list(spec.terminal.position))) from None
 
 
 def _angles(spec: schema.Spec, rest: Catenary | None) -> Floats:
@@ -184,24 +214,24 @@ def _angles(spec: schema.Spec, rest: Catenary | None) -> Floats:
     return straight(spec.cable.links, shape.angle if isinstance(shape, schema.StraightShape) else 0.0)
 
 
-def _at_anchor(spec: schema.Spec, length: Floats, angles: Floats) -> Floats:
+def _at_anchor(spec: schema.Spec, length: Floats, angles: Floats, place: tuple[float, float]) -> Floats:
     """What does not move stands where it stands: a shape that ends elsewhere would move it; rounding is mended."""
     if not isinstance(spec.terminal, _UNMOVED):
         return angles
-    position = spec.terminal.position
-    is_pin = isinstance(spec.terminal, schema.PinTable)
+    position = list(spec.terminal.position)
+    is_exact = not isinstance(spec.terminal, schema.AnchorMassTable)
     total = float(np.sum(length))
-    if _miss(length, angles, position) > END_SLACK * total:
+    if _miss(length, angles, place) > END_SLACK * total:
         x, y = end_point(length, angles)
-        what = "pin" if is_pin else "anchor"
+        what = {"pin": "pin", "motion": "vessel"}.get(spec.terminal.kind, "anchor")
         text = f'the start shape ends at ({x:.6g}, {y:.6g}) m, not at the {what}; use kind = "catenary"'
-        raise MistakeFoundError(Mistake("terminal.position", text, list(position)))
-    if not is_pin or isinstance(spec.shape, schema.CatenaryShape):
+        raise MistakeFoundError(Mistake("terminal.position", text, position))
+    if not is_exact or isinstance(spec.shape, schema.CatenaryShape):
         return angles
-    angles = ending_at(length, angles, position)
-    if _miss(length, angles, position) > END_TOLERANCE * total:
+    angles = ending_at(length, angles, place)
+    if _miss(length, angles, place) > END_TOLERANCE * total:
         text = 'links near the start shape do not reach the pin; use kind = "catenary"'
-        raise MistakeFoundError(Mistake("terminal.position", text, list(position)))
+        raise MistakeFoundError(Mistake("terminal.position", text, position))
     return angles
 
 
@@ -234,7 +264,7 @@ def _terminal_parameters(
     spec: schema.Spec, rest: Catenary | None, cable_weight: float, terminal_weight: float
 ) -> dict[str, float]:
     terminal = spec.terminal
-    if isinstance(terminal, schema.PinTable):
+    if isinstance(terminal, schema.PinTable | schema.MotionEndTable):
         return {}
     if isinstance(terminal, schema.AnchorMassTable):
         return {"m_c": terminal.mass}

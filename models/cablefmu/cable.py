@@ -169,6 +169,18 @@ class Cable:
         """Number of coordinates in q: the angles, and what a floater at the top adds."""
         return self.n + {Top.FLOATER: 1, Top.FREE: 2, Top.MOTION: 0}[self.top]
 
+    def angles_in(self, q: Floats) -> Floats:
+        """The link angles of such a vector, shape (n,) [rad]."""
+        first = 0 if self.top is Top.MOTION else 1
+        return q[first : first + self.n]
+
+    @property
+    def start_of_top(self) -> tuple[float, float]:
+        """(x, y) of P_0 at the start [m]."""
+        if self.top is Top.MOTION:
+            return self.input_start.get("x_1", 0.0), self.input_start.get("y_1", 0.0)
+        return (float(self.position[-1]) if self.top is Top.FREE else 0.0), float(self.position[0])
+
     def padded(self, vector: Floats) -> Floats:
         """`vector`, as long as q or as (q, dq/dt), as the kernel has it: a zero for the heave where q has none."""
         if self.top is not Top.MOTION:

@@ -1,7 +1,7 @@
 """The compiled kernel without an FMU: its right-hand side, statics, and a cable linearised about a state of rest.
 
 The library is named kernel and lies beside the FMU's own; it never travels in an archive. Vectors are as long
-as q of `Cable`: the heave of floater 1 [m] and the link angles [rad], forces likewise [N], [N m]; x to the right, y down.
+as q of `Cable`: the top's coordinates [m] and the link angles [rad], forces likewise [N], [N m]; x right, y down.
 """
 
 from __future__ import annotations

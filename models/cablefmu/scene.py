@@ -21,7 +21,7 @@ from pydantic import ValidationError
 from cablefmu.assembly import assemble
 from cablefmu.cable import Cable
 from cablefmu.errors import SceneError
-from cablefmu.scene_inputs import CsvInput, build_signal
+from cablefmu.scene_inputs import CsvInput, build_signal, with_derivatives
 from cablefmu.scene_mistakes import Mistake, MistakeFoundError, mistakes_of, nearest, scene_error
 from cablefmu.scene_schema import MAX_LINKS, Spec
 from cablefmu.scene_table import Context
@@ -50,7 +50,7 @@ class Scene:
     spec: Spec
     cable: Cable
     signals: Mapping[str, Signal]
-    """Force over time of every input of the cable [N]; constant 0 where the scene names none."""
+    """Every input of the cable over time [N; m, m/s, m/s^2]; constant at its start where the scene names none."""
 
     @classmethod
     def from_text(
@@ -229,6 +229,7 @@ def _make(text: str, name: str, source: str, path: Path | None, read: Callable[[
     except ValidationError as error:
         raise scene_error(source, mistakes + mistakes_of(error)) from None
     given = {key: build_signal(value, remembered) for key, value in dict(spec.inputs).items() if value is not None}
+    given = with_derivatives(given)
     try:
         cable = assemble(name, spec, given)
     except MistakeFoundError as found:
@@ -236,7 +237,7 @@ def _make(text: str, name: str, source: str, path: Path | None, read: Callable[[
     if mistakes:
         raise scene_error(source, mistakes)
     named = {value.file for value in dict(spec.inputs).values() if isinstance(value, CsvInput)}
-    signals = {key: given.get(key, Constant(0.0)) for key in cable.inputs}
+    signals = {key: given.get(key, Constant(cable.input_start.get(key, 0.0))) for key in cable.inputs}
     return Scene(name, text, path, {file: files[file] for file in sorted(named)}, spec, cable, signals)
 
 

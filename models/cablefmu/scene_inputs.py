@@ -1,8 +1,11 @@
-"""The [inputs] table of a scene file: one force signal per input."""
+"""The [inputs] table of a scene file: one signal per force, or per coordinate of a motion that is given.
+
+Of a motion the file gives the place alone; velocity and acceleration are its derivatives, so that the three agree.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Annotated, Literal
 
 from pydantic import (
@@ -19,12 +22,19 @@ from pydantic import (
 from cablefmu import units as u
 from cablefmu.fmu.table import table
 from cablefmu.scene_table import Table, context_of
-from cablefmu.signals import Constant, CsvError, Sampled, Signal, Sine, Steps, read_csv
+from cablefmu.signals import Constant, CsvError, Derivative, Sampled, Signal, Sine, Spline, Steps, read_csv
 
-__all__ = ["INPUTS", "Input", "InputsTable", "build_signal"]
+__all__ = ["FOLLOWING", "INPUTS", "Input", "InputsTable", "build_signal", "with_derivatives"]
 
-INPUTS = tuple(table().inputs)
-"""All inputs that a scene may have, in their fixed order."""
+FOLLOWING = {
+    f"{prefix}{axis}_{end}": (f"{axis}_{end}", order)
+    for end in (1, 2)
+    for order, prefix in ((1, "v"), (2, "a"))
+    for axis in "xy"
+}
+"""Inputs that are derivatives of another one: which, and of which order."""
+INPUTS = tuple(name for name in table().inputs if name not in FOLLOWING)
+"""All inputs that a scene file may name, in their fixed order."""
 
 
 class ConstantInput(Table):
@@ -114,6 +124,42 @@ class CsvInput(Table):
         return read_csv(read(self.file), time=self.time, value=self.value)
 
 
+class SineMotion(Table):
+    """offset + amplitude sin(2 pi frequency t + phase), at all times."""
+
+    one_of = (("frequency", "period"),)
+
+    signal: Literal["sine"]
+    amplitude: u.Coordinate
+    frequency: u.Frequency | None = None
+    period: u.Duration | None = None
+    phase: u.AngleOffset = 0.0
+    offset: u.Coordinate = 0.0
+
+    def build(self, read: Callable[[str], bytes]) -> Signal:
+        frequency = self.frequency if self.frequency is not None else 1.0 / (self.period or 1.0)
+        return Sine(self.amplitude, frequency, self.phase, self.offset)
+
+
+class CsvMotion(CsvInput):
+    """Samples from a file, on a cubic spline: at rest before the first and after the last one."""
+
+    file: Annotated[StrictStr, AfterValidator(_inside_folder)]
+    """Comma-separated, UTF-8, in s and m; path from the scene's folder."""
+
+    def build(self, read: Callable[[str], bytes]) -> Spline:  # type: ignore[override]
+        samples = super().build(read)
+        if len(samples.times) < 2:
+            raise CsvError("a motion needs two lines with numbers or more")
+        return Spline(samples.times, samples.values)
+
+
+MotionTable = Annotated[SineMotion | CsvMotion, Field(discriminator="signal")]
+Motion = Annotated[
+    Annotated[u.InputPlace, Tag("<number>")] | Annotated[MotionTable, Tag("<table>")],
+    Discriminator(lambda value: "<table>" if isinstance(value, dict | Table) else "<number>"),
+]
+
 SignalTable = Annotated[ConstantInput | SineInput | StepsInput | CsvInput, Field(discriminator="signal")]
 Input = Annotated[
     Annotated[u.InputForce, Tag("<number>")] | Annotated[SignalTable, Tag("<table>")],
@@ -122,7 +168,7 @@ Input = Annotated[
 
 
 class InputsTable(Table):
-    """Forces over time; an input that is not named is 0."""
+    """Forces and motions over time; a force that is not named is 0, a motion stays where it is at rest."""
 
     u_m1: Input | None = None
     """Vertical force on floater 1, downward."""
@@ -132,10 +178,27 @@ class InputsTable(Table):
     """Horizontal force on the terminal, to the right."""
     F_cy: Input | None = None
     """Vertical force on the load, downward."""
+    u_m1x: Input | None = None
+    """Horizontal force on floater 1, to the right, where it surges."""
+    x_1: Motion | None = None
+    """Where the vessel at the top is, to the right of its rest."""
+    y_1: Motion | None = None
+    """The same, downward."""
+    x_2: Motion | None = None
+    """Where the vessel at the lower end is, to the right of the top joint's rest."""
+    y_2: Motion | None = None
+    """The same, downward."""
 
 
 def build_signal(
-    given: float | ConstantInput | SineInput | StepsInput | CsvInput, read: Callable[[str], bytes]
+    given: float | ConstantInput | SineInput | StepsInput | CsvInput | SineMotion | CsvMotion,
+    read: Callable[[str], bytes],
 ) -> Signal:
     """Make the signal that a validated [inputs] entry describes; `read` gives the content of its file."""
     return Constant(given) if isinstance(given, float) else given.build(read)
+
+
+def with_derivatives(signals: Mapping[str, Signal]) -> dict[str, Signal]:
+    """The same, with velocity and acceleration of every coordinate among them."""
+    following = {name: Derivative(signals[of], order) for name, (of, order) in FOLLOWING.items() if of in signals}
+    return {**signals, **following}

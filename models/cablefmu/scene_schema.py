@@ -87,8 +87,8 @@ class WaterTable(Table):
     """c_v in f = -c_v |v_n| v_n, as it stands, for each link."""
 
 
-class TopTable(Table):
-    """The upper port, at the origin."""
+class FloaterTopTable(Table):
+    """A floater at the upper end, at rest at the origin."""
 
     kind: Literal["floater"]
     mass: u.Mass
@@ -98,8 +98,33 @@ class TopTable(Table):
     """Vertical."""
     static_load: u.Force | None = None
     """What its buoyancy carries at rest besides its own weight; by default the pull of the cable at rest."""
+    stiffness_horizontal: u.Stiffness | None = None
+    """Of the spring about the rest position, horizontal; with it and damping_horizontal the floater surges."""
+    damping_horizontal: u.Damping | None = None
+    static_pull: u.Force | None = None
+    """What its mooring carries at rest, to the left; by default the horizontal pull of the cable at rest."""
+
+    @property
+    def surges(self) -> bool:
+        """Whether it is free in x as well."""
+        return self.stiffness_horizontal is not None
+
+    @model_validator(mode="after")
+    def _both_ways(self) -> FloaterTopTable:
+        if (self.stiffness_horizontal is None) != (self.damping_horizontal is None):
+            raise u.refusal("a floater that surges needs stiffness_horizontal and damping_horizontal, 0 allowed")
+        if self.static_pull is not None and not self.surges:
+            raise u.refusal("static_pull is only for a floater that surges, with stiffness_horizontal")
+        return self
 
 
+class MotionTopTable(Table):
+    """A vessel that somebody else computes: its motion is an input, the cable's force on it an output."""
+
+    kind: Literal["motion"]
+
+
+TopTable = FloaterTopTable | MotionTopTable
 Position = tuple[u.Coordinate, u.Coordinate]
 
 
@@ -165,7 +190,15 @@ class PinTable(Table):
     """Where it holds the cable's end: x to the right, y downward from the top port."""
 
 
-TerminalTable = LoadTable | AnchorMassTable | AnchorSpringTable | FloaterTable | PinTable
+class MotionEndTable(Table):
+    """A vessel at the lower end that somebody else computes: its motion is an input, the cable's force an output."""
+
+    kind: Literal["motion"]
+    position: Position
+    """Where it is at rest: x to the right, y downward from the top port."""
+
+
+TerminalTable = LoadTable | AnchorMassTable | AnchorSpringTable | FloaterTable | PinTable | MotionEndTable
 
 
 class StraightShape(Table):
@@ -242,7 +275,7 @@ class Spec(Table):
     gravity: u.Acceleration = 9.81
     cable: CableTable
     water: WaterTable | None = None
-    top: TopTable
+    top: Annotated[TopTable, Field(discriminator="kind")]
     terminal: Annotated[TerminalTable, Field(discriminator="kind")]
     shape: Annotated[StraightShape | AnglesShape | HangingShape | CatenaryShape, Field(discriminator="kind")]
     inputs: InputsTable = InputsTable()
@@ -253,7 +286,7 @@ class Spec(Table):
     def contradictions(cls, data: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], str]]:
         """What only shows when tables are read together."""
         yield from _statics_without_equilibrium(data)
-        terminal = data.get("terminal")
+        terminal, top = data.get("terminal"), data.get("top")
         kind = terminal.get("kind") if isinstance(terminal, dict) else None
         if not isinstance(terminal, dict) or not isinstance(kind, str):
             return
@@ -265,11 +298,16 @@ class Spec(Table):
             if "water" not in data:
                 for key in given:
                     yield ("terminal", key), "only for scenes with [water], and this one has none"
+        if not isinstance(top, dict) or top.get("kind") not in ("floater", "motion"):
+            return
+        surges = top.get("kind") == "floater" and "stiffness_horizontal" in top
         named = data.get("inputs")
-        allowed = inputs_of(kind, terminal.get("horizontal_force") is True)
+        allowed = inputs_of(top["kind"], surges, kind, terminal.get("horizontal_force") is True)
+        own = [name for name in allowed if name in INPUTS]
         for name in named if isinstance(named, dict) and allowed else ():
             if name in INPUTS and name not in allowed:
-                yield ("inputs", name), f'a scene with terminal "{kind}" has the inputs {", ".join(allowed)}'
+                ends = f'top "{top["kind"]}" and terminal "{kind}"'
+                yield ("inputs", name), f"a scene with {ends} has the inputs {', '.join(own)}"
         shape = data.get("shape")
         if kind == "load" and isinstance(shape, dict) and shape.get("kind") == "catenary":
             yield (
@@ -287,15 +325,24 @@ def _statics_without_equilibrium(data: dict[str, Any]) -> Iterator[tuple[tuple[s
         yield ("outputs", "drop"), f'{named[0]} exists only in scenes with [run] initial = "equilibrium"'
 
 
-def inputs_of(kind: str, horizontal_force: bool) -> tuple[str, ...]:
-    """Names of the inputs of a scene by its terminal, in their fixed order; none for an unknown kind."""
-    return {
-        "load": ("u_m1", "F_cx", "F_cy"),
-        "anchor-mass": ("u_m1",),
-        "anchor-spring": ("u_m1",),
-        "pin": ("u_m1",),
-        "floater": ("u_m1", "u_m2", "F_cx") if horizontal_force else ("u_m1", "u_m2"),
-    }.get(kind, ())
+def _motion(end: int) -> tuple[str, ...]:
+    return tuple(f"{prefix}{axis}_{end}" for prefix in ("", "v", "a") for axis in "xy")
+
+
+def inputs_of(top: str, surges: bool, terminal: str, horizontal_force: bool) -> tuple[str, ...]:
+    """Names of the inputs of a scene by the kinds of its ends, in their fixed order; none for an unknown kind."""
+    at_end = {
+        "load": ("F_cx", "F_cy"),
+        "anchor-mass": (),
+        "anchor-spring": (),
+        "pin": (),
+        "floater": ("u_m2", "F_cx") if horizontal_force else ("u_m2",),
+        "motion": _motion(2),
+    }.get(terminal)
+    if at_end is None:
+        return ()
+    at_top = _motion(1) if top == "motion" else ("u_m1", "u_m1x") if surges else ("u_m1",)
+    return tuple(name for name in table().inputs if name in (*at_top, *at_end))
 
 
 class _SchemaGenerator(GenerateJsonSchema):

@@ -1,4 +1,4 @@
-"""Input signals: forces as functions of time [N over s].
+"""Input signals: forces and motions as functions of time [N or m over s].
 
 Every signal is right-continuous: at a jump it has the value that it keeps afterwards. Integrators need
 more than values: implicit ones the time derivative, the co-simulation master exact derivatives for FMI's
@@ -14,11 +14,13 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from typing import Protocol
 
-__all__ = ["Constant", "CsvError", "Sampled", "Signal", "Sine", "Steps", "read_csv"]
+from scipy.interpolate import CubicSpline
+
+__all__ = ["Constant", "CsvError", "Derivative", "Sampled", "Signal", "Sine", "Spline", "Steps", "read_csv"]
 
 
 class Signal(Protocol):
-    """A force [N] over time [s]."""
+    """A force [N], or a coordinate [m], over time [s]."""
 
     def __call__(self, t: float) -> float:
         """Value at `t`; at a jump the value after it."""
@@ -127,6 +129,50 @@ class Sampled:
 
     def breaks(self, t0: float, t1: float) -> list[float]:
         return _inside(self.times, t0, t1)
+
+
+class Spline:
+    """The cubic spline through samples, at rest before the first and after the last: a motion with an acceleration.
+
+    Parameters
+    ----------
+    times, values
+        Two or more; times rise.
+    """
+
+    def __init__(self, times: tuple[float, ...], values: tuple[float, ...]) -> None:
+        self.times, self.values = times, values
+        spline = CubicSpline(times, values, bc_type="clamped")
+        self._of_order = [spline, *(spline.derivative(order) for order in (1, 2, 3))]
+
+    def __call__(self, t: float) -> float:
+        return float(self._of_order[0](min(max(t, self.times[0]), self.times[-1])))
+
+    def derivatives(self, t: float, order: int) -> list[float]:
+        if not self.times[0] <= t < self.times[-1]:
+            return [0.0] * order
+        return [float(self._of_order[k](t)) if k <= 3 else 0.0 for k in range(1, order + 1)]
+
+    def breaks(self, t0: float, t1: float) -> list[float]:
+        return _inside(self.times, t0, t1)
+
+
+@dataclass(frozen=True, slots=True)
+class Derivative:
+    """A time derivative of another signal: what a motion's velocity and acceleration are to its place."""
+
+    of: Signal
+    order: int
+    """1 for the velocity, 2 for the acceleration"""
+
+    def __call__(self, t: float) -> float:
+        return self.of.derivatives(t, self.order)[-1]
+
+    def derivatives(self, t: float, order: int) -> list[float]:
+        return self.of.derivatives(t, self.order + order)[self.order :]
+
+    def breaks(self, t0: float, t1: float) -> list[float]:
+        return self.of.breaks(t0, t1)
 
 
 def _inside(times: tuple[float, ...], t0: float, t1: float) -> list[float]:

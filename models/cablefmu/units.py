@@ -35,6 +35,7 @@ __all__ = [
     "Force",
     "Frequency",
     "InputForce",
+    "InputPlace",
     "JointDamping",
     "JointStiffness",
     "Length",
@@ -219,6 +220,10 @@ Time = Annotated[float, Measure("a time", "s", '15.5 or "15.5 s"')]
 Duration = Annotated[float, _above_zero("a time", "s", '31 or "31 s"')]
 Frequency = Annotated[float, _above_zero("a frequency", "Hz", '0.25 or "0.25 Hz"')]
 Force = Annotated[float, Measure("a force", "N", '200 or "200 N"')]
+InputPlace = Annotated[
+    float,
+    Measure("a coordinate", "m", '0.5 or "0.5 m"', also=', or a table, for example { signal = "sine", ... }'),
+]
 InputForce = Annotated[
     float,
     Measure("a force", "N", '200 or "200 N"', also=', or a table, for example { signal = "sine", ... }'),

@@ -14,9 +14,9 @@ from importlib.resources import files
 import numpy as np
 
 from .. import __version__
-from ..cable import Cable, Drag, Initial, Terminal
+from ..cable import Cable, Drag, Initial, Terminal, Top
 from ..scene import Scene
-from ..signals import Constant, Sampled, Signal, Sine, Steps
+from ..signals import Constant, Derivative, Sampled, Signal, Sine, Spline, Steps
 from .equations import equations_of
 from .listing import Row, number, rows_of
 from .mathml import mathml
@@ -160,16 +160,22 @@ def _about(cable: Cable) -> Iterator[tuple[str, str]]:
         yield "Drag coefficient", f"{_spread(links.drag, '')}{settable}"
     elif cable.drag is Drag.PER_LINK:
         yield "Drag of each link", _spread(links.drag, "N s²/m²")
-    yield "Top", "a floater, see the parameters"
+    yield "Top", _TOP_WORDS[cable.top]
     yield "End", _END_WORDS[cable.terminal]
 
 
+_TOP_WORDS = {
+    Top.FLOATER: "a floater, see the parameters",
+    Top.FREE: "a floater that heaves and surges, see the parameters",
+    Top.MOTION: "a vessel whose motion is an input",
+}
 _END_WORDS = {
     Terminal.LOAD: "a load",
     Terminal.ANCHOR_MASS: "an anchor of mass, neutrally buoyant",
     Terminal.ANCHOR_SPRING: "an anchor on springs and dampers",
     Terminal.FLOATER: "a second floater on springs and dampers",
     Terminal.PIN: "a pin, which cannot move",
+    Terminal.MOTION: "a vessel whose motion is an input",
 }
 
 
@@ -191,10 +197,13 @@ def _driving(scene: Scene, variables: Sequence[Variable], file: str, given: str)
     driven = [name for name in scene.cable.inputs if scene.signals[name] != Constant(0.0)]
     if driven:
         yield (
-            "<p>Forces over time are the host's business. The scene that this FMU was made of has these, and"
+            "<p>What happens over time is the host's business. The scene that this FMU was made of has these, and"
             f" {_code(f'cablefmu run {file}')} feeds them:</p>"
         )
-        items = "\n".join(f"<li>{_code(name)}: {_signal_words(scene.signals[name])}</li>" for name in driven)
+        units = {variable.name: variable.unit for variable in variables}
+        items = "\n".join(
+            f"<li>{_code(name)}: {_signal_words(scene.signals[name], units.get(name, 'N'))}</li>" for name in driven
+        )
         yield f"<ul>\n{items}\n</ul>"
     named = f"resources/{scene.name}.toml"
     yield f'<p>The scene itself is in the archive: <a href="../{escape(named)}">{escape(named)}</a>.</p>'
@@ -210,39 +219,48 @@ def _given(fmi: int) -> str:
 def _snippet(scene: Scene, variables: Sequence[Variable], file: str) -> str:
     first = scene.cable.inputs[0]
     outputs = [variable.name for variable in variables if variable.causality == "output"][:4]
+    unit = next(variable.unit for variable in variables if variable.name == first)
+    what, most = ("force", 1000) if unit == "N" else ("motion", 1)
     return f"""\
 import numpy as np
 from fmpy import simulate_fmu
 
-columns = [("time", float), ("{first}", float)]  # s, N
-force = np.array([(0, 0), (1, 1000), (5, 1000)], dtype=columns)
+columns = [("time", float), ("{first}", float)]  # s, {unit}
+{what} = np.array([(0, 0), (1, {most}), (5, {most})], dtype=columns)
 result = simulate_fmu(
     "{file}",
     stop_time={scene.stop_time:g},
     output_interval={scene.step:g},
     start_values={{"g": {scene.cable.parameters["g"]!r}}},  # any parameter
-    input=force,
+    input={what},
     output={outputs!r},
 )
 print(result.dtype.names, result[-1])
 """.replace("'", '"')
 
 
-def _signal_words(signal: Signal) -> str:
+def _signal_words(signal: Signal, unit: str) -> str:
     match signal:
         case Constant():
-            return f"{number(signal.value)} N"
+            return f"{number(signal.value)} {_unit(unit)}"
+        case Derivative():
+            return ("the velocity", "the acceleration")[signal.order - 1] + " of that motion"
         case Sine():
-            offset = f"{number(signal.offset)} N + " if signal.offset else ""
+            offset = f"{number(signal.offset)} {unit} + " if signal.offset else ""
             phase = f" + {number(signal.phase)}" if signal.phase else ""
             since = f" from t = {number(signal.start)} s on, counted from there" if signal.start is not None else ""
-            return f"{offset}{number(signal.amplitude)} N · sin(2π · {number(signal.frequency)} Hz · t{phase}){since}"
+            return (
+                f"{offset}{number(signal.amplitude)} {unit} · sin(2π · {number(signal.frequency)} Hz · t{phase}){since}"
+            )
         case Steps():
-            steps = [f"{number(v)} N from {number(t)} s" for t, v in zip(signal.times, signal.values, strict=True)]
+            steps = [f"{number(v)} {unit} from {number(t)} s" for t, v in zip(signal.times, signal.values, strict=True)]
             return ", ".join(steps) if len(steps) <= 8 else f"{len(steps)} steps"
         case Sampled():
             first, last = number(signal.times[0]), number(signal.times[-1])
             return f"{len(signal.times)} samples from {first} s to {last} s, linear between"
+        case Spline():
+            first, last = number(signal.times[0]), number(signal.times[-1])
+            return f"the cubic spline through {len(signal.times)} samples from {first} s to {last} s"
     return "over time"
 
 

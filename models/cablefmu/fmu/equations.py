@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..cable import Cable, Drag, Terminal
+from ..cable import Cable, Drag, Terminal, Top
 from .variables import Variable
 
 __all__ = ["Topic", "equations_of"]
@@ -39,12 +39,12 @@ def equations_of(cable: Cable, variables: Sequence[Variable]) -> list[Topic]:
         Of the FMU: outputs that it does not have are not explained.
     """
     outputs = {variable.name for variable in variables if variable.causality == "output"}
-    topics = [_geometry(), _links(cable)]
+    topics = [_geometry(cable), _links(cable)]
     if _has_joints(cable):
         topics.append(_joints(cable, {variable.name for variable in variables}))
     if cable.drag is not Drag.NONE:
         topics.append(_drag(cable))
-    topics += [_floater_1(), _ENDS[cable.terminal](cable)]
+    topics += [_top(cable), _ENDS[cable.terminal](cable)]
     tensions = [name for name in _TENSIONS if name in outputs]
     if tensions:
         words = "Negative where the cable is pushed together."
@@ -54,17 +54,23 @@ def equations_of(cable: Cable, variables: Sequence[Variable]) -> list[Topic]:
     return topics
 
 
-def _geometry() -> Topic:
+def _geometry(cable: Cable) -> Topic:
+    top, state, rates = {
+        Top.FLOATER: (r"(0, y_{m1})", "$y_{m1}$, all $θ_i$", "away from floater 1"),
+        Top.FREE: (r"(x_{m1}, y_{m1})", "$y_{m1}$, all $θ_i$, $x_{m1}$", "away from floater 1"),
+        Top.MOTION: (r"(x_1, y_1)", "all $θ_i$", "away from the vessel at the top"),
+    }[cable.top]
     return Topic(
         "Geometry",
         (
             r"\vec{e}_i = (\sin θ_i, \cos θ_i) \quad \vec{n}_i = (\cos θ_i, -\sin θ_i)",
-            r"\vec{P}_0 = (0, y_{m1}) \quad \vec{P}_i = \vec{P}_{i-1} + l_i \vec{e}_i",
+            rf"\vec{{P}}_0 = {top} \quad " r"\vec{P}_i = \vec{P}_{i-1} + l_i \vec{e}_i",
             r"\vec{p}_i = \frac{1}{2} (\vec{P}_{i-1} + \vec{P}_i) \quad i = 1 \dots n",
         ),
-        r"$\vec{e}_i$ points along link i, away from floater 1, $\vec{n}_i$ across it; $\vec{P}_i$ are the joints,"
-        r" $\vec{p}_i$ the links' centres. The end of the cable is $\vec{P}_n = (x_c, y_c)$. The state is $y_{m1}$, all"
-        r" $θ_i$, and their rates.",
+        rf"$\vec{{e}}_i$ points along link i, {rates}, "
+        r"$\vec{n}_i$ across it; $\vec{P}_i$ are the joints,"
+        rf" $\vec{{p}}_i$ the links' centres. The end of the cable is $\vec{{P}}_n = (x_c, y_c)$. The state is {state}, and"
+        " their rates.",
     )
 
 
@@ -101,7 +107,7 @@ def _joints(cable: Cable, names: Set[str]) -> Topic:
     return Topic(
         "Joints",
         (f"T_i = {' + '.join(terms)} \\quad T_{{n+1}} = 0",),
-        rf"Floater 1 does not turn: $θ_0 = 0$.{words}",
+        rf"{'The vessel at the top' if cable.top is Top.MOTION else 'Floater 1'} does not turn: $θ_0 = 0$.{words}",
     )
 
 
@@ -118,6 +124,29 @@ def _drag(cable: Cable) -> Topic:
         (rf"\vec{{f}}_i = - {factor} |v_i| v_i \vec{{n}}_i \quad v_i = \vec{{n}}_i \cdot \dot{{\vec{{p}}}}_i",),
         f"Normal to each link, at its centre. {words}",
     )
+
+
+def _top(cable: Cable) -> Topic:
+    return {Top.FLOATER: _floater_1, Top.FREE: _free_floater, Top.MOTION: _vessel_1}[cable.top]()
+
+
+def _vessel_1() -> Topic:
+    return Topic(
+        "Vessel at the top",
+        (
+            r"\ddot{\vec{P}}_0 = (a_{x1}, a_{y1}) \quad \dot{\vec{P}}_0 = (v_{x1}, v_{y1})",
+            r"(F_{1x}, F_{1y}) = -\vec{R}_1",
+        ),
+        "It moves as the inputs `x_1`, `y_1`, `vx_1`, `vy_1`, `ax_1`, `ay_1` say; `F_1x`, `F_1y` is what the cable does to"
+        " it. The moment of joint 1 is not passed on.",
+    )
+
+
+def _free_floater() -> Topic:
+    heave = _floater_1()
+    surge = r"M_1 \ddot{x}_{m1} + c_{m1H} \dot{x}_{m1} + k_{m1H} x_{m1} = u_{m1x} - \name{static_pull} - R_{1,x}"
+    words = "It heaves and surges. `static_load` and `static_pull` are what buoyancy and mooring carry at rest."
+    return Topic(heave.title, (*heave.formulas, surge), words)
 
 
 def _floater_1() -> Topic:
@@ -197,7 +226,22 @@ def _pin(cable: Cable) -> Topic:
     )
 
 
+def _vessel_2(cable: Cable) -> Topic:
+    x, y = (
+        rf"\ddot{{{axis}}}_c = a_{{{axis}2}} - 2 ω (\dot{{{axis}}}_c - v_{{{axis}2}}) - ω^2 ({axis}_c - {axis}_2)"
+        for axis in "xy"
+    )
+    return Topic(
+        "Vessel at the lower end",
+        (x, rf"{y} \quad ω = 10 \name{{1/s}}", r"(F_{2x}, F_{2y}) = \vec{R}_{n+1}"),
+        "The end follows the inputs `x_2`, `y_2`, `vx_2`, `vy_2`, `ax_2`, `ay_2`; `F_2x`, `F_2y` is what the cable does to"
+        " the vessel there. Where the end follows exactly, only the acceleration is left; errors of the integration are"
+        " led back.",
+    )
+
+
 _ENDS = {
+    Terminal.MOTION: _vessel_2,
     Terminal.LOAD: _load,
     Terminal.ANCHOR_MASS: _anchor_mass,
     Terminal.ANCHOR_SPRING: _anchor_spring,
@@ -223,9 +267,12 @@ def _energy(cable: Cable) -> Topic:
 
 
 def _kinetic(cable: Cable) -> Iterator[str]:
-    yield r"\frac{1}{2} M_1 \dot{y}_{m1}^2"
+    if cable.top is not Top.MOTION:
+        yield r"\frac{1}{2} M_1 \dot{y}_{m1}^2"
+    if cable.top is Top.FREE:
+        yield r"\frac{1}{2} M_1 \dot{x}_{m1}^2"
     yield r"\sum_i (\frac{1}{2} m_i |\dot{\vec{p}}_i|^2 + \frac{1}{2} I_i \dot{θ}_i^2)"
-    mass = {Terminal.FLOATER: "M_2", Terminal.PIN: ""}.get(cable.terminal, "m_c")
+    mass = {Terminal.FLOATER: "M_2", Terminal.PIN: "", Terminal.MOTION: ""}.get(cable.terminal, "m_c")
     if mass:
         yield rf"\frac{{1}}{{2}} {mass} |\dot{{\vec{{P}}}}_n|^2"
 
@@ -234,7 +281,10 @@ def _potential(cable: Cable) -> Iterator[str]:
     """Lines that go on where the kinetic energy ends."""
     if np.any(cable.links.joint_stiffness):
         yield r"+ \sum_i \frac{1}{2} k_i (θ_i - θ_{i-1})^2"
-    yield r"+ \frac{1}{2} k_{m1} y_{m1}^2 + \name{static_load} \cdot y_{m1}"
+    if cable.top is not Top.MOTION:
+        yield r"+ \frac{1}{2} k_{m1} y_{m1}^2 + \name{static_load} \cdot y_{m1}"
+    if cable.top is Top.FREE:
+        yield r"+ \frac{1}{2} k_{m1H} x_{m1}^2 + \name{static_pull} \cdot x_{m1}"
     springs = {Terminal.ANCHOR_SPRING: ("k_{cH}", "k_{cV}"), Terminal.FLOATER: ("k_{m2H}", "k_{m2V}")}
     if cable.terminal in springs:
         horizontal, vertical = springs[cable.terminal]

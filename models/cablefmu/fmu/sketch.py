@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from ..cable import Cable, Floats, Terminal
+from ..cable import Cable, Floats, Terminal, Top
 
 __all__ = ["sketch"]
 
@@ -37,13 +37,14 @@ def sketch(cable: Cable) -> str:
     # The cable in the middle of what it needs.
     origin = np.array([(width - (lowest[0] + highest[0]) * scale) / 2.0, _TOP - lowest[1] * scale])
     pixels = origin + joints * scale
-    words = f"Start shape of the cable: {cable.n} links from floater 1 to {_NAMES[cable.terminal]}"
+    top = "vessel 1" if cable.top is Top.MOTION else "floater 1"
+    words = f"Start shape of the cable: {cable.n} links from {top} to {_NAMES[cable.terminal]}"
     parts = [
         f'<svg class="sketch" viewBox="0 0 {width:.0f} {height:.0f}" role="img" aria-label="{escape(words)}">',
         *_level(cable, width, float(origin[1])),
         *_axes(origin),
         *_line(cable, pixels),
-        *_floater(pixels[0], "floater 1"),
+        *_floater(pixels[0], top),
         *_ends(cable, joints[-1], pixels[-1], width),
         *_scale_bar(scale, width, height),
         "</svg>",
@@ -57,19 +58,20 @@ _NAMES = {
     Terminal.ANCHOR_SPRING: "the anchor",
     Terminal.FLOATER: "floater 2",
     Terminal.PIN: "the pin",
+    Terminal.MOTION: "vessel 2",
 }
 
 
 def _joints(cable: Cable) -> Floats:
     """P_0 ... P_n at the start [m], shape (n + 1, 2)."""
-    angles = cable.position[1:]
+    angles = cable.angles_in(cable.position)
     along = cable.links.length[:, None] * np.column_stack([np.sin(angles), np.cos(angles)])
-    top = np.array([[0.0, cable.position[0]]])
+    top = np.array([cable.start_of_top])
     return np.concatenate([top, top + np.cumsum(along, axis=0)])
 
 
 def _level(cable: Cable, width: float, y: float) -> Iterator[str]:
-    """Where floater 1 rests: y = 0."""
+    """Where the top rests: y = 0."""
     yield f'<path class="{"water" if cable.in_water else "level"}" d="M0 {y:.1f}H{width:.0f}"/>'
     yield f'<text class="small" x="2" y="{y - 6:.1f}">y = 0</text>'
 
@@ -103,8 +105,8 @@ def _ends(cable: Cable, metres: Floats, place: Floats, width: float) -> Iterator
     # What is zero but for rounding is zero.
     across, down = np.where(np.abs(metres) < 1e-9 * np.sum(cable.links.length), 0.0, metres)
     position = f"({across:.4g}, {down:.4g}) m".replace("-", "−")
-    if cable.terminal is Terminal.FLOATER:
-        yield from _floater(place, "floater 2")
+    if cable.terminal in (Terminal.FLOATER, Terminal.MOTION):
+        yield from _floater(place, _NAMES[cable.terminal])
         yield _label(position, x, y - 40.0, width)
         return
     if cable.terminal is Terminal.LOAD:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from xml.etree import ElementTree as ET
 
-from ..cable import Cable, Terminal
+from ..cable import Cable, Terminal, Top
 from .variables import Variable
 
 __all__ = ["FOLDER", "Port", "icon_png", "ports_of", "terminals_and_icons"]
@@ -25,10 +25,14 @@ _SIDE = 100.0
 _PORT_SIDE = 10.0
 _MILLIMETRES = 0.1
 """Size of a unit of these where a host draws to scale."""
-_PLACES = {"floater_1": (-_SIDE, 42.0), "floater_2": (_SIDE, -56.0), "load": (_SIDE, -56.0)}
+_PLACES = {
+    "floater_1": (-_SIDE, 42.0), "vessel_1": (-_SIDE, 42.0),
+    "floater_2": (_SIDE, -56.0), "load": (_SIDE, -56.0), "vessel_2": (_SIDE, -56.0),
+}  # fmt: skip
 """Where the ports stand at the icon's edge, beside what they belong to."""
 
-_FORCES_1, _MOTION_1 = {"u_m1": "F_y"}, {"y_m1": "y", "v_m1": "vy"}
+_FORCES_1 = {"u_m1x": "F_x", "u_m1": "F_y"}
+_MOTION_1 = {"x_m1": "x", "y_m1": "y", "vx_m1": "vx", "v_m1": "vy"}
 _FORCES_N = {"F_cx": "F_x", "F_cy": "F_y", "u_m2": "F_y"}
 _MOTION_N = {"x_c": "x", "y_c": "y", "vx_c": "vx", "vy_c": "vy"}
 _ENDS = {Terminal.LOAD: "load", Terminal.FLOATER: "floater_2"}
@@ -41,9 +45,9 @@ class Port:
     name: str
     description: str
     forces: dict[str, str]
-    """Inputs that enter here: variable -> member."""
+    """Inputs that enter here, or at a vessel's port outputs: variable -> member."""
     motion: dict[str, str]
-    """Outputs that tell how it moves: variable -> member."""
+    """Outputs that tell how it moves, or at a vessel's port inputs: variable -> member."""
 
     @property
     def kind_of_forces(self) -> str:
@@ -67,8 +71,18 @@ def ports_of(cable: Cable, variables: Sequence[Variable]) -> list[Port]:
     def port(name: str, description: str, forces: dict[str, str], motion: dict[str, str]) -> Port:
         return Port(name, description, _only(forces, inputs), _only(motion, outputs))
 
-    ports = [port("floater_1", "Floater 1, at the top of the cable: vertical force, heave", _FORCES_1, _MOTION_1)]
+    def vessel(end: int, where: str) -> Port:
+        motion = {f"{kind}{axis}_{end}": f"{kind}{axis}" for kind in ("", "v", "a") for axis in "xy"}
+        text = f"A vessel at the {where} of the cable: its motion, the cable's force on it"
+        return Port(f"vessel_{end}", text, _only({f"F_{end}x": "F_x", f"F_{end}y": "F_y"}, outputs), motion)
+
+    what = "force, heave, surge" if cable.top is Top.FREE else "vertical force, heave"
+    heaves = cable.top is not Top.MOTION
+    floater = port("floater_1", f"Floater 1, at the top of the cable: {what}", _FORCES_1, _MOTION_1)
+    ports = [floater if heaves else vessel(1, "top")]
     end = _ENDS.get(cable.terminal)
+    if cable.terminal is Terminal.MOTION:
+        ports.append(vessel(2, "lower end"))
     if end is not None:
         what = "The load at the end of the cable" if end == "load" else "The second floater, at the end of the cable"
         ports.append(port(end, f"{what}: force, position, velocity", _FORCES_N, _MOTION_N))

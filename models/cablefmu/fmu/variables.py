@@ -10,15 +10,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
-from ..cable import Cable, Initial, SolverChoice, Whole
+from ..cable import Cable, Initial, SolverChoice, Terminal, Top, Whole
 from ..scene_schema import MAX_LINKS
 from .table import table
 
 __all__ = ["ENUMERATIONS", "STATE_OUTPUTS", "Enumeration", "Item", "Kind", "Variable", "elements_of", "variables_of"]
 
-STATE_OUTPUTS = ("y_m1", "v_m1")
+STATE_OUTPUTS = ("y_m1", "v_m1", "x_m1", "vx_m1")
 """Outputs that are states themselves: floater 1's displacement and velocity."""
 
+PORT_OUTPUTS = {1: ("F_1x", "F_1y"), 2: ("F_2x", "F_2y")}
+"""What the cable does to the vessel at either end."""
 
 FRAME = "x right, y down"
 """Every variable with a direction says so."""
@@ -87,7 +89,7 @@ class Variable:
     name: str
     kind: Kind
     index: int
-    """Slot in the kernel's list of that kind, or index into the state vector (with arrays: which of its four parts)."""
+    """Slot in the kernel's list of that kind, or index into its state vector (with arrays: which of its parts)."""
     unit: str
     description: str
     causality: str
@@ -140,7 +142,7 @@ def variables_of(cable: Cable, dropped_outputs: Iterable[str] = (), whole: Whole
     begin = _Start(cable.initial is Initial.EQUILIBRIUM, links)
     states = _add_states(listing, cable, dropped, begin)
     _add_derivatives(listing, states, begin)
-    _add_outputs(listing, states, dropped, begin)
+    _add_outputs(listing, cable, states, dropped, begin)
     _add_health(listing, cable, dropped)
     return listing.variables
 
@@ -214,37 +216,44 @@ def _add_inputs(listing: _Listing, cable: Cable) -> None:
         row = table().inputs[name]
         listing.add(
             name, Kind.INPUT, row.slot, row.unit, f"{row.description}; {FRAME}", causality="input",
-            variability="continuous", start=cable.input_start.get(name, 0.0), nominal=1000.0,
+            variability="continuous", start=cable.input_start.get(name, 0.0),
+            nominal=1000.0 if row.unit == "N" else 1.0,
         )  # fmt: skip
 
 
 def _add_states(listing: _Listing, cable: Cable, dropped: set[str], begin: _Start) -> list[Variable]:
-    """The state vector in order: y_m1, theta[1..n], v_m1, omega[1..n]; or the same in four, two of them arrays."""
-    rows = table().outputs
-    angle, rate = (
-        f"{what}, positive towards +x; {FRAME}" for what in ("angle from the downward vertical", "angular rate")
-    )
-    links = [""] if begin.links is not None else [f"[{i}]" for i in range(1, cable.n + 1)]
-    described = [
-        ("y_m1", rows["y_m1"].unit, f"{rows['y_m1'].description}; {FRAME}"),
-        *((f"theta{i}", "rad", f"{_link_named(i)}: {angle}") for i in links),
-        ("v_m1", rows["v_m1"].unit, f"{rows['v_m1'].description}; {FRAME}"),
-        *((f"omega{i}", "rad/s", f"{_link_named(i)}: {rate}") for i in links),
-    ]
-    starts = [*cable.position, *cable.velocity]
+    """q, then dq/dt, in the kernel's order: y_m1, theta[1..n], x_m1 as far as there are any; or the same in arrays."""
+    sides = (("y_m1", "theta", "rad", "angle from the downward vertical", "x_m1"),
+             ("v_m1", "omega", "rad/s", "angular rate", "vx_m1"))  # fmt: skip
     states = []
-    for k, (name, unit, description) in enumerate(described):
-        causality = "output" if name in STATE_OUTPUTS and name not in dropped else "local"
-        if begin.links is not None and name not in STATE_OUTPUTS:
-            how: dict[str, object] = {"initial": "calculated", "dimension": begin.links}
-        else:
-            start = starts[k] if begin.links is None else 0.0
-            how = {"initial": "approx" if begin.is_sought else "exact", "start": float(start)}
-        states.append(listing.add(
-            name, Kind.STATE, k, unit, description, causality=causality, variability="continuous", nominal=1.0,
-            depends_on=(len(listing.variables),), on_all_at_start=begin.on_all, **how,
-        ))  # fmt: skip
+    for half, (heave, link, unit, what, surge) in enumerate(sides):
+        starts = cable.padded((cable.position, cable.velocity)[half])
+        for name, index in _places(cable, heave, link, surge, begin):
+            row = table().outputs.get(name)
+            text = row.description if row else f"{_link_named(name.removeprefix(link))}: {what}, positive towards +x"
+            if row is None and begin.links is not None:
+                how: dict[str, object] = {"initial": "calculated", "dimension": begin.links}
+            else:
+                start = 0.0 if begin.links is not None else float(starts[index])
+                how = {"initial": "approx" if begin.is_sought else "exact", "start": start}
+            states.append(listing.add(
+                name, Kind.STATE, _ARRAYS[name] if begin.links is not None else half * len(starts) + index,
+                row.unit if row else unit, f"{text}; {FRAME}",
+                causality="output" if row and name not in dropped else "local", variability="continuous", nominal=1.0,
+                depends_on=(len(listing.variables),), on_all_at_start=begin.on_all, **how,
+            ))  # fmt: skip
     return states
+
+
+_ARRAYS = {"y_m1": 0, "theta": 1, "v_m1": 2, "omega": 3, "x_m1": 4, "vx_m1": 5}
+"""Array in resource.h."""
+
+
+def _places(cable: Cable, heave: str, link: str, surge: str, begin: _Start) -> list[tuple[str, int]]:
+    """Names of half the states, and where they stand in the kernel's half."""
+    links = [(link, 1)] if begin.links is not None else [(f"{link}[{i}]", i) for i in range(1, cable.n + 1)]
+    top = [(heave, 0)] if cable.top is not Top.MOTION else []
+    return [*top, *links, *([(surge, cable.n + 1)] if cable.top is Top.FREE else [])]
 
 
 def elements_of(variables: Iterable[Variable], n: int) -> list[Variable]:
@@ -273,25 +282,35 @@ def _add_derivatives(listing: _Listing, states: list[Variable], begin: _Start) -
         # q' = v exactly; accelerations depend on everything.
         depends_on = (states[k + half].reference,) if k < half else None
         listing.add(
-            f"der({state.name})", Kind.DERIVATIVE, k, unit, f"Time derivative of {state.name}; {FRAME}",
+            f"der({state.name})", Kind.DERIVATIVE, state.index, unit, f"Time derivative of {state.name}; {FRAME}",
             causality="local", variability="continuous", initial="calculated", derivative_of=state.reference,
             depends_on=depends_on, on_all_at_start=begin.on_all, dimension=state.dimension,
         )  # fmt: skip
 
 
-def _add_outputs(listing: _Listing, states: list[Variable], dropped: set[str], begin: _Start) -> None:
+def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], dropped: set[str], begin: _Start) -> None:
+    place_of = {variable.name: variable.reference for variable in listing.variables}
     half = len(states) // 2
-    heave, angles = states[0].reference, tuple(s.reference for s in states[1:half])
-    heave_rate, rates = states[half].reference, tuple(s.reference for s in states[half + 1 :])
+    angles, rates = (
+        tuple(s.reference for s in part if s.unit == unit)
+        for part, unit in ((states[:half], "rad"), (states[half:], "rad/s"))
+    )
+
+    def of_top(*names: str) -> tuple[int, ...]:
+        return tuple(place_of[name] for name in names if name in place_of)
+
+    x, y, vx, vy = of_top("x_m1", "x_1"), of_top("y_m1", "y_1"), of_top("vx_m1", "vx_1"), of_top("v_m1", "vy_1")
     depends_on: dict[str, tuple[int, ...] | None] = {
-        "x_c": angles,
-        "y_c": (heave, *angles),
-        "vx_c": angles + rates,
-        "vy_c": (*angles, heave_rate, *rates),
-        "energy": tuple(s.reference for s in states),
+        "x_c": x + angles,
+        "y_c": y + angles,
+        "vx_c": angles + vx + rates,
+        "vy_c": angles + vy + rates,
+        "energy": x + y + angles + vx + vy + rates,
     }
+    absent = {*STATE_OUTPUTS, *(PORT_OUTPUTS[1] if cable.top is not Top.MOTION else ())}
+    absent |= set(PORT_OUTPUTS[2] if cable.terminal is not Terminal.MOTION else ())
     for name, row in table().outputs.items():
-        if name in dropped or name in STATE_OUTPUTS:
+        if name in dropped or name in absent:
             continue
         listing.add(
             name, Kind.OUTPUT, row.slot, row.unit, f"{row.description}; {FRAME}", causality="output",
