@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,8 @@ import scipy.linalg
 
 from cablefmu.cable import Cable, Floats
 from cablefmu.reference.chain import Array, chain_of
-from cablefmu.reference.heavy_end import bordered
 from cablefmu.reference.kinematics import motion_of
-from cablefmu.reference.matrices import damping_matrix, inertia_matrix, stiffness_matrix
-from cablefmu.reference.model import generalised_forces
-from cablefmu.reference.vectors import gravity_vector, velocity_vector
+from cablefmu.reference.model import equation
 
 __all__ = ["BORDERED", "DenseLinear"]
 
@@ -33,14 +30,14 @@ class DenseLinear:
 
     cable: Cable
     matrix: Array
-    """In long double, shape (n + 1, n + 1), or (n + 3, n + 3) with a border"""
+    """In long double, shape (m, m) with m coordinates, or (m + 2, m + 2) with a border"""
 
     @classmethod
     def about(
         cls, cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float], weights: tuple[float, float, float]
     ) -> DenseLinear:
         """Linearised about the motion that the equation gives at (q, v)."""
-        half, has_border = cable.n + 1, is_bordered(cable)
+        half, has_border = cable.coordinates, is_bordered(cable)
         wide_q, wide_v = q.astype(np.longdouble), v.astype(np.longdouble)
         inertia, right_side = _equation(cable, wide_q, wide_v, inputs)
         size = half + 2 * has_border
@@ -57,18 +54,18 @@ class DenseLinear:
     @property
     def has_border(self) -> bool:
         """Whether the force through the end is an unknown."""
-        return len(self.matrix) > self.cable.n + 1
+        return len(self.matrix) > self.cable.coordinates
 
     def solved(self, force: Floats, end: Floats) -> Floats:
-        """change of L change = force, the relation at a border being off by `end`, shape (n + 1,)."""
+        """change of L change = force, the relation at a border being off by `end`, shape (m,)."""
         right_side = np.concatenate([force, end]) if self.has_border else force
         found = np.zeros(len(right_side), dtype=np.longdouble)
         _refine(self.matrix, right_side.astype(np.longdouble), found)
-        return found[: self.cable.n + 1].astype(float)
+        return found[: self.cable.coordinates].astype(float)
 
     def free(self) -> Floats:
         """The matrix of what is left to move: projected to the changes that leave P_n where a pin holds it."""
-        half = self.cable.n + 1
+        half = self.cable.coordinates
         inner = self.matrix[:half, :half].astype(float)
         if not self.has_border:
             return inner
@@ -84,17 +81,9 @@ def is_bordered(cable: Cable) -> bool:
 
 
 def _equation(cable: Cable, q: Array, v: Array, inputs: Mapping[str, Any]) -> tuple[Array, Array]:
-    """I and T - (C x' + K x + F + G), within the border if there is one."""
-    chain, motion = chain_of(cable, np.longdouble), motion_of(q, v)
-    light = replace(chain, end_mass=0 * chain.end_mass) if is_bordered(cable) else chain
-    right_side = generalised_forces(chain, motion, inputs) - (
-        damping_matrix(chain) @ v
-        + stiffness_matrix(chain) @ q
-        + velocity_vector(light, motion)
-        + gravity_vector(chain, motion)
-    )
-    inertia = inertia_matrix(light, motion)
-    return bordered(chain, motion, inertia, right_side) if is_bordered(cable) else (inertia, right_side)
+    """I and T - (C x' + K x + F + G + D), within the border if there is one."""
+    motion = motion_of(q, v, top=cable.top, inputs=inputs)
+    return equation(chain_of(cable, np.longdouble), motion, inputs, outside=is_bordered(cable))
 
 
 def _refine(matrix: Array, right_side: Array, solution: Array) -> None:

@@ -121,9 +121,8 @@ def test_energy_changes_by_the_powers(top: Top, terminal: Terminal, water: bool,
         a = extended_acceleration(cable, q, rates, inputs, digits=60)
         after, before = (energy(chain, motion(rates, a, t)) for t in (step, -step))
         shown = extended_outputs(cable, q, rates, inputs, digits=60)
-        forces = np.array(
-            [[-shown.get("F_1x", 0), -shown.get("F_1y", 0)], [shown.get("F_2x", 0), shown.get("F_2y", 0)]]
-        )
+        on_vessels = [[shown.get(f"F_{port}{axis}", mpmath.mpf(0)) for axis in "xy"] for port in (1, 2)]
+        forces = np.array(on_vessels) * np.array([[-1], [1]])
         flows = powers(chain, motion(rates), given, forces)
         assert abs((after - before) / (2 * step) - sum(flows.values())) < 1e-18
     assert all(flows[name] <= 0 for name in ("joints", "floater", "terminal", "drag"))
