@@ -11,9 +11,9 @@ from cablefmu.cable import Cable, Drag, Floats, Terminal
 from cablefmu.reference import Reference
 from cablefmu.shapes import end_point
 from tests.kernel.library import Kernel
-from tests.random_cables import KINDS, random_cable, random_inputs, random_state
+from tests.random_cables import KINDS, PORTS, random_cable, random_inputs, random_state
 
-__all__ = ["Case", "aligned_case", "case", "heavy_case"]
+__all__ = ["Case", "aligned_case", "case", "heavy_case", "port_case"]
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,15 @@ def case(library: ctypes.CDLL, n: int, kind: int, *, draw: int = 0, **parameters
     cable = random_cable(rng, n, terminal, water, drag=drag)
     (q, v), inputs = random_state(rng, cable), random_inputs(rng, cable)
     cable = replace(cable, parameters=cable.parameters | parameters)
+    return Case(cable, q, v, inputs, Kernel(library, cable), Reference(cable))
+
+
+def port_case(library: ctypes.CDLL, n: int, kind: int, *, draw: int = 0) -> Case:
+    """The `draw`-th case of PORTS[kind] with `n` links."""
+    top, terminal, water, drag = PORTS[kind]
+    rng = np.random.default_rng([n, kind, draw])
+    cable = random_cable(rng, n, terminal, water, top=top, drag=drag)
+    (q, v), inputs = random_state(rng, cable), random_inputs(rng, cable)
     return Case(cable, q, v, inputs, Kernel(library, cable), Reference(cable))
 
 

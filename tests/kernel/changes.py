@@ -32,7 +32,7 @@ class Direction:
 
 def unit_directions(cable: Cable) -> Iterator[Direction]:
     """Every coordinate, every rate, every input, one at a time."""
-    half = cable.n + 1
+    half = cable.coordinates
     none, nothing = dict.fromkeys(cable.inputs, 0.0), np.zeros(half)
     for one in np.eye(half):
         yield Direction(one, nothing, none)
@@ -45,7 +45,7 @@ def random_directions(cable: Cable, count: int) -> Iterator[Direction]:
     """Everything at once, inputs by kilonewtons so that they are seen beside the rest."""
     rng = np.random.default_rng(count)
     for _ in range(count):
-        q, v = rng.normal(size=(2, cable.n + 1))
+        q, v = rng.normal(size=(2, cable.coordinates))
         yield Direction(q, v, {name: 1e3 * rng.normal() for name in cable.inputs})
 
 

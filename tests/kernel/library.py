@@ -81,8 +81,8 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
 }
 """Function -> (type of the result, types of the arguments)."""
 
-Wave = tuple[float, float, float]
-"""(constant [N], amplitude [N], pulsation [rad/s]) of an input constant + amplitude sin(pulsation t)."""
+Wave = tuple[float, float, float] | tuple[float, float, float, float]
+"""(constant, amplitude, pulsation [rad/s], phase [rad]) of an input constant + amplitude sin(pulsation t + phase)."""
 
 Status = Literal["ok", "too many steps", "step too small", "angle too large", "input failed"]
 _STATUS: tuple[Status, ...] = ("ok", "too many steps", "step too small", "angle too large", "input failed")
@@ -350,10 +350,10 @@ class Kernel:
 
 
 def _signals(waves: Mapping[str, Wave]) -> Floats:
-    """Constants, amplitudes and pulsations, a row each, in the slots of the inputs."""
-    signals = np.zeros((3, len(table().inputs)))
+    """Constants, amplitudes, pulsations and phases, a row each, in the slots of the inputs."""
+    signals = np.zeros((4, len(table().inputs)))
     for name, wave in waves.items():
-        signals[:, table().inputs[name].slot] = wave
+        signals[: len(wave), table().inputs[name].slot] = wave
     return signals
 
 

@@ -242,9 +242,9 @@ void probe_repeat_linear(Probe *probe, int what, const double *weights, double *
     }
 }
 
-/* u_k(t) = constant_k + amplitude_k sin(pulsation_k t); pulsation in rad/s. From still_from to still_to they do not change. */
+/* u_k(t) = constant_k + amplitude_k sin(pulsation_k t + phase_k); pulsation in rad/s. From still_from to still_to they do not change. */
 typedef struct {
-    const double *constant, *amplitude, *pulsation;
+    const double *constant, *amplitude, *pulsation, *phase;
     double still_from, still_to;
 } Waves;
 
@@ -253,7 +253,7 @@ static bool waves_at(void *source, double time, double *u)
     const Waves *waves = source;
     if (time > waves->still_from && time < waves->still_to) time = waves->still_from;
     for (int k = 0; k < INPUT_COUNT; k++) {
-        u[k] = waves->constant[k] + waves->amplitude[k] * sin(waves->pulsation[k] * time);
+        u[k] = waves->constant[k] + waves->amplitude[k] * sin(waves->pulsation[k] * time + waves->phase[k]);
         if (!isfinite(u[k])) return false;
     }
     return true;
@@ -287,7 +287,7 @@ void probe_energy(const Probe *probe, double *parts)
 double probe_implicit_steps(Probe *probe, double t, double h, int steps, int still, double share, double *x,
                             const double *waves, double *between)
 {
-    Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
+    Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, waves + 3 * INPUT_COUNT, 0.0, 0.0};
     const System system = {probe->model, probe->work, probe->linear, waves_at, &source, false, NULL};
     SolverMemory *memory = &probe->memory;
     const size_t count = (size_t)model_states(probe->model);
@@ -315,10 +315,10 @@ double probe_implicit_steps(Probe *probe, double t, double h, int steps, int sti
     return error;
 }
 
-/* One communication step of the solver; waves[3][INPUT_COUNT] as in Waves. */
+/* One communication step of the solver; waves[4][INPUT_COUNT] as in Waves. */
 int probe_advance(Probe *probe, double *t, double t_end, double *x, const double *waves, double *counter)
 {
-    Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, 0.0, 0.0};
+    Waves source = {waves, waves + INPUT_COUNT, waves + 2 * INPUT_COUNT, waves + 3 * INPUT_COUNT, 0.0, 0.0};
     bool rest = true;
     for (int k = 0; k < INPUT_COUNT; k++) rest &= waves[INPUT_COUNT + k] == 0.0;
     const System system = {probe->model, probe->work, probe->linear, waves_at, &source, rest, NULL};

@@ -137,8 +137,8 @@ def _vessel_1() -> Topic:
             r"\ddot{\vec{P}}_0 = (a_{x1}, a_{y1}) \quad \dot{\vec{P}}_0 = (v_{x1}, v_{y1})",
             r"(F_{1x}, F_{1y}) = -\vec{R}_1",
         ),
-        "It moves as the inputs `x_1`, `y_1`, `vx_1`, `vy_1`, `ax_1`, `ay_1` say; `F_1x`, `F_1y` is what the cable does to"
-        " it. The moment of joint 1 is not passed on.",
+        "It moves as the inputs `x_1`, `y_1`, `vx_1`, `vy_1`, `ax_1`, `ay_1` say; `F_1x`, `F_1y` is what the cable"
+        " does to it. The moment of joint 1 is not passed on.",
     )
 
 
@@ -234,8 +234,8 @@ def _vessel_2(cable: Cable) -> Topic:
     return Topic(
         "Vessel at the lower end",
         (x, rf"{y} \quad ω = 10 \name{{1/s}}", r"(F_{2x}, F_{2y}) = \vec{R}_{n+1}"),
-        "The end follows the inputs `x_2`, `y_2`, `vx_2`, `vy_2`, `ax_2`, `ay_2`; `F_2x`, `F_2y` is what the cable does to"
-        " the vessel there. Where the end follows exactly, only the acceleration is left; errors of the integration are"
+        "The end follows the inputs `x_2`, `y_2`, `vx_2`, `vy_2`, `ax_2`, `ay_2`; `F_2x`, `F_2y` is what the cable"
+        " does to the vessel there. Where the end follows exactly, only the acceleration is left; errors of the integration are"
         " led back.",
     )
 
