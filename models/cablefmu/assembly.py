@@ -95,9 +95,10 @@ def _input_start(spec: schema.Spec, inputs: tuple[str, ...], signals: Mapping[st
 
 def _place(spec: schema.Spec, start: Mapping[str, float]) -> tuple[float, float]:
     """The lower port from the upper one, both where they are at the start [m]; (0, 0) for a load."""
-    if isinstance(spec.terminal, schema.LoadTable):
+    terminal = spec.terminal
+    if isinstance(terminal, schema.LoadTable):
         return (0.0, 0.0)
-    x, y = spec.terminal.position
+    x, y = terminal.position
     x, y = start.get("x_2", x), start.get("y_2", y)
     return x - start.get("x_1", 0.0), y - start.get("y_1", 0.0)
 
@@ -197,12 +198,13 @@ def _terminal_mass(spec: schema.Spec) -> float:
 
 def _rest(spec: schema.Spec, length: Floats, weights: Floats, place: tuple[float, float]) -> Catenary | None:
     """Rest shape between the ports; None where the cable just hangs."""
-    if isinstance(spec.terminal, schema.LoadTable):
+    terminal = spec.terminal
+    if isinstance(terminal, schema.LoadTable):
         return None
     try:
         return catenary(length, weights, place)
     except NoCatenaryError as reason:
-        raise MistakeFoundError(Mistake("terminal.position", str(reason), list(spec.terminal.position))) from None
+        raise MistakeFoundError(Mistake("terminal.position", str(reason), list(terminal.position))) from None
 
 
 def _angles(spec: schema.Spec, rest: Catenary | None) -> Floats:

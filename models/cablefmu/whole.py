@@ -42,7 +42,9 @@ def whole_of(scene: Scene) -> Whole:
         parameters["theta_start"] = angle
     if isinstance(terminal, schema.LoadTable):
         return Whole(parameters, preloads=(), place=(0.0, 0.0))
-    held = {"static_load": scene.spec.top.static_load is None, "static_load_2": True, "static_pull_2": True}
+    top = scene.spec.top
+    own = () if isinstance(top, schema.MotionTopTable) else ("static_load", "static_pull")
+    held = {name: getattr(top, name) is None for name in own} | {"static_load_2": True, "static_pull_2": True}
     preloads = tuple(name for name, follows in held.items() if follows and name in scene.cable.parameters)
     return Whole(parameters, preloads=preloads, place=terminal.position)
 
@@ -65,9 +67,9 @@ def divided(scene: Scene, n: int, given: Mapping[str, float]) -> Scene:
     update: dict[str, Any] = {"cable": scene.spec.cable.model_copy(update=cable)}
     if whole.preloads:
         update |= _hung_in(scene.spec, given)
-    if "static_load" not in whole.preloads:
-        static_load = scene.cable.parameters["static_load"]
-        update["top"] = scene.spec.top.model_copy(update={"static_load": static_load})
+    own = [name for name in ("static_load", "static_pull") if name in scene.cable.parameters]
+    kept = {name: scene.cable.parameters[name] for name in own if name not in whole.preloads}
+    update["top"] = scene.spec.top.model_copy(update=kept)
     if "theta_start" in told:
         update["shape"] = schema.StraightShape.model_construct(kind="straight", angle=told["theta_start"])
     spec = scene.spec.model_copy(update=update)
@@ -127,6 +129,8 @@ def _obstacles(spec: schema.Spec) -> Iterator[Mistake]:
     if isinstance(shape, schema.AnglesShape):
         text = "arrays leave the number of links open, and these angles do not; allowed: straight, hanging, catenary"
         yield Mistake("shape.kind", text, shape.kind)
-    elif isinstance(terminal, schema.AnchorMassTable | schema.PinTable) and not isinstance(shape, schema.CatenaryShape):
+    elif isinstance(terminal, schema.AnchorMassTable | schema.PinTable | schema.MotionEndTable) and not isinstance(
+        shape, schema.CatenaryShape
+    ):
         text = "arrays leave the number of links open, and so where this shape ends; allowed: catenary"
         yield Mistake("shape.kind", text, shape.kind)

@@ -69,8 +69,8 @@ def _geometry(cable: Cable) -> Topic:
         ),
         rf"$\vec{{e}}_i$ points along link i, {rates}, "
         r"$\vec{n}_i$ across it; $\vec{P}_i$ are the joints,"
-        rf" $\vec{{p}}_i$ the links' centres. The end of the cable is $\vec{{P}}_n = (x_c, y_c)$. The state is {state}, and"
-        " their rates.",
+        rf" $\vec{{p}}_i$ the links' centres. The end of the cable is $\vec{{P}}_n = (x_c, y_c)$. The"
+        f" state is {state}, and their rates.",
     )
 
 
