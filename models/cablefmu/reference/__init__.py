@@ -4,8 +4,9 @@ Written to be read beside the print, with its equation numbers and its errata; i
 the FMU's kernel, which never forms a matrix.
 
 - `chain` the cable's numbers under the equations' names; `kinematics` where it is and how it moves
-- `matrices` I, C, K [5.1, 5.2]; `vectors` F, G [5.3-5.7]; `drag`, `terminal` what makes up T [5.8-5.10]
-- `model` the equation of motion; `heavy_end` the same for ends of 8e8 kg and for a `pin`
+- `matrices` I, C, K [5.1, 5.2]; `vectors` F, G [5.3-5.7], D; `drag`, `terminal` what makes up T [5.8-5.10]
+- `model` the equation of motion; `heavy_end` the same for ends of 8e8 kg and for those that are held: by a `pin`, by a
+  given motion
 - `outputs` tensions, energy and powers; `oracle` trajectories by scipy
 - `long_double` the same with three more digits
 - `extended` accelerations and outputs in any precision (to be imported by itself: it needs mpmath)
