@@ -20,8 +20,8 @@ from cablefmu.signals import Signal
 
 __all__ = ["assemble", "bending_stiffness"]
 
-_PLACED = (schema.AnchorSpringTable, schema.FloaterTable, schema.PinTable, schema.MotionEndTable)
-"""Terminals whose place the equations of motion know."""
+_UNPLACED = (schema.LoadTable, schema.AnchorMassTable)
+"""Terminals of whose place the equations of motion know nothing."""
 _UNMOVED = (schema.AnchorMassTable, schema.PinTable, schema.MotionEndTable)
 """Terminals that hold the cable's end from the start."""
 
@@ -76,7 +76,7 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
         inputs=inputs,
         position=position,
         velocity=np.zeros(len(position)),
-        rest_position=terminal.position if isinstance(terminal, _PLACED) else (0.0, 0.0),
+        rest_position=(0.0, 0.0) if isinstance(terminal, _UNPLACED) else terminal.position,
         input_start=input_start,
         solver=SolverChoice(spec.run.solver),
         initial=Initial(spec.run.initial),

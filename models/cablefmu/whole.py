@@ -68,7 +68,7 @@ def divided(scene: Scene, n: int, given: Mapping[str, float]) -> Scene:
     if whole.preloads:
         update |= _hung_in(scene.spec, given)
     own = [name for name in ("static_load", "static_pull") if name in scene.cable.parameters]
-    kept = {name: scene.cable.parameters[name] for name in own if name not in whole.preloads}
+    kept: dict[str, Any] = {name: scene.cable.parameters[name] for name in own if name not in whole.preloads}
     update["top"] = scene.spec.top.model_copy(update=kept)
     if "theta_start" in told:
         update["shape"] = schema.StraightShape.model_construct(kind="straight", angle=told["theta_start"])

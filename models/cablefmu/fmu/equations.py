@@ -235,8 +235,8 @@ def _vessel_2(cable: Cable) -> Topic:
         "Vessel at the lower end",
         (x, rf"{y} \quad ω = 10 \name{{1/s}}", r"(F_{2x}, F_{2y}) = \vec{R}_{n+1}"),
         "The end follows the inputs `x_2`, `y_2`, `vx_2`, `vy_2`, `ax_2`, `ay_2`; `F_2x`, `F_2y` is what the cable"
-        " does to the vessel there. Where the end follows exactly, only the acceleration is left; errors of the integration are"
-        " led back.",
+        " does to the vessel there. Where the end follows exactly, only the acceleration is left; errors of the"
+        " integration are led back.",
     )
 
 
