@@ -1,6 +1,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "derivatives.h"
 #include "instance.h"
 
 enum { FIRST_CHOICE = 1 }; /* hosts count the items of an enumeration from 1 */
@@ -54,7 +55,7 @@ double *instance_start(Instance *instance)
 /* Pulls and forces follow accelerations. */
 static bool is_force(uint32_t output)
 {
-    return (output >= Y_tension_top && output <= Y_tension_max) || output >= Y_F_1x;
+    return (output >= Y_tension_top && output <= Y_tension_max) || (output >= Y_F_1x && output <= Y_F_2y);
 }
 
 Status instance_refuse(Instance *instance, const Variable *variable, const Text *value, const char *expected)
@@ -118,6 +119,7 @@ static bool get_one(Instance *instance, const Variable *variable, Span span, dou
         memcpy(value, instance->derivative + span.first, span.count * sizeof *value);
         return true;
     default:
+        if (variable->index >= Y_m_1xx) return instance_effective_mass(instance, variable->index, value);
         if (!refresh_outputs(instance, is_force(variable->index))) return false;
         *value = instance->output[variable->index];
         return true;

@@ -5,6 +5,7 @@
 
 #include "../kernel/adjoint.h"
 #include "../kernel/directional.h"
+#include "../kernel/effective_mass.h"
 #include "../kernel/equilibrium_change.h"
 
 /*
@@ -38,6 +39,15 @@ static bool refresh_linear(Instance *instance)
     instance->linear_is_current =
         directional_point(&instance->model, instance->x, &instance->work, instance->derivative, &instance->linear);
     return instance->linear_is_current || refuse_singular(instance) == STATUS_OK;
+}
+
+bool instance_effective_mass(Instance *instance, uint32_t output, double *value)
+{
+    if (!refresh_linear(instance)) return false;
+    if (!instance->masses_are_current) effective_masses(&instance->model, &instance->linear, instance->output);
+    instance->masses_are_current = true;
+    *value = instance->output[output];
+    return true;
 }
 
 /* The same as an equilibrium; only in initialization mode, and so nothing is kept of it. */

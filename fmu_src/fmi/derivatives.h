@@ -18,6 +18,9 @@ Status instance_directional(Instance *instance, References unknowns, References 
 Status instance_adjoint(Instance *instance, References unknowns, References knowns, const double *seed,
                         double *sensitivity);
 
+/* One of the outputs that are partial derivatives themselves [kernel/effective_mass.h]. False after a message. */
+bool instance_effective_mass(Instance *instance, uint32_t output, double *value);
+
 /* Time derivatives of outputs, of order 1, while the inputs go on by the derivatives given for the step to come. */
 Status instance_output_derivatives(Instance *instance, References outputs, const int32_t *orders, double *values);
 

@@ -71,9 +71,10 @@ struct Instance {
     int u_orders;     /* derivatives of inputs that were given for the step to come; zeros beyond */
     uint32_t u_given; /* the inputs that have some, as bits */
     double statics[STATICS_COUNT];
-    double *changes;        /* three times the states, scratch [derivatives.c] */
-    bool linear_is_current; /* for derivatives at the present state */
-    bool linear_is_lent;    /* to derivatives, or another state came: the solver's linearised chain is gone [step.c] */
+    double *changes;         /* three times the states, scratch [derivatives.c] */
+    bool linear_is_current;  /* for derivatives at the present state */
+    bool masses_are_current; /* those outputs that are derivatives */
+    bool linear_is_lent;     /* to derivatives, or another state came: the solver's linearised chain is gone [step.c] */
     bool model_is_current, start_is_current, derivatives_are_current, outputs_are_current, tensions_are_current;
     SolverMemory solver;
 };

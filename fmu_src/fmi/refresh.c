@@ -14,7 +14,7 @@ void text_at_time(Text *text, double time)
 void invalidate_state(Instance *instance)
 {
     instance->derivatives_are_current = instance->outputs_are_current = instance->tensions_are_current = false;
-    instance->linear_is_current = false;
+    instance->linear_is_current = instance->masses_are_current = false;
 }
 
 void invalidate_model(Instance *instance)

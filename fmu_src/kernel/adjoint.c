@@ -1,6 +1,7 @@
 #include "adjoint.h"
 #include "directional.h"
 #include "dynamics.h"
+#include "effective_mass.h"
 
 #include <string.h>
 
@@ -241,5 +242,6 @@ void adjoint_derivatives(const Model *model, const double *x, Linear *linear, co
     }
     walk_up(model, linear, z, q, v, to_input);
     for (int k = 0; k < half; k++) v[k] += seed_derivative[k];
+    if (seed_output) effective_mass_adjoint(model, linear, seed_output, q);
     if (seed_output) outputs_to_states(model, x, linear, pull, seed_output, q, v, to_input);
 }

@@ -1,4 +1,5 @@
 #include "directional.h"
+#include "effective_mass.h"
 
 #include <string.h>
 
@@ -104,6 +105,7 @@ void directional_derivatives(const Model *model, const double *x, Linear *linear
     const double *dq = dx, *dv = dx + half;
     double *da = d_derivative + half, *force = d_derivative, end[2];
     /* M da = du - ID_q dq - ID_v dv */
+    if (d_output) effective_mass_changes(model, linear, dq, d_output);
     linear_apply(model, linear, dq, dv, NULL, force, end);
     for (int k = 0; k < half; k++) force[k] = -force[k];
     for (int k = 0; k < 2; k++) end[k] = -end[k];

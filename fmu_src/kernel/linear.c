@@ -35,7 +35,8 @@ enum { SPARE_LINEAR = 2 }; /* entries of q beyond n */
         &(w)->drag_gain, &(w)->slip, &(w)->a_n, &(w)->a_e, &(w)->v_n, &(w)->v_e, &(w)->p_n, &(w)->lift_x,              \
         &(w)->lift_y, &(w)->per_pivot, &(w)->bend, &(w)->gain[0], &(w)->gain[1], &(w)->gain[2], &(w)->gain[3],         \
         &(w)->gain[4], &(w)->gain[5], &(w)->unit_x, &(w)->unit_y, &(w)->ahead, &(w)->column, &(w)->known_ax,           \
-        &(w)->known_ay, &(w)->known_vx, &(w)->known_vy, &(w)->react_x, &(w)->react_y
+        &(w)->known_ay, &(w)->known_vx, &(w)->known_vy, &(w)->react_x, &(w)->react_y, &(w)->swing[0], &(w)->swing[1],  \
+        &(w)->swing_x[0], &(w)->swing_x[1], &(w)->swing_y[0], &(w)->swing_y[1]
 
 size_t linear_doubles(int n)
 {

@@ -40,13 +40,14 @@ typedef struct Linear {
     double *gain[MOST_COLUMNS];          /* G / p */
     double *unit_x, *unit_y;             /* held ends: answer to a unit force through P_n */
     /* scratch: */
-    double *ahead;               /* rho / p, or what a given motion takes */
-    double *column;              /* of forces, by one input [equilibrium_change.c] */
-    double *known_ax, *known_ay; /* known change of the acceleration of the link's centre [m/s^2] */
-    double *known_vx, *known_vy; /* and of its velocity [m/s] */
-    double *react_x, *react_y;   /* change of R that goes with them [N] */
-    double top[4];               /* xx, xy, yx, yy: how the top moves with a force on it; zeros where it cannot */
-    bool is_held;                /* at its lower end, as a pin or nearly [model.c] */
+    double *ahead;                              /* rho / p, or what a given motion takes */
+    double *column;                             /* of forces, by one input [equilibrium_change.c] */
+    double *known_ax, *known_ay;                /* known change of the acceleration of the link's centre [m/s^2] */
+    double *known_vx, *known_vy;                /* and of its velocity [m/s] */
+    double *react_x, *react_y;                  /* change of R that goes with them [N] */
+    double *swing[2], *swing_x[2], *swing_y[2]; /* w, R of an end that accelerates along x, y [effective_mass.c] */
+    double top[4]; /* xx, xy, yx, yy: how the top moves with a force on it; zeros where it cannot */
+    bool is_held;  /* at its lower end, as a pin or nearly [model.c] */
     HeldEnd held;
     double border[4];  /* xx, xy, yx, yy: force at a held end by what its relation is off by */
     double through[2]; /* what linear_solve() found to go through a held end */

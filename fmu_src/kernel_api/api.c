@@ -67,6 +67,9 @@ int kernel_outputs(Kernel *kernel, const double *x, const double *u, double *out
 {
     if (!kernel_derivatives(kernel, x, u, kernel->derivative)) return 0;
     cable_outputs(&kernel->model, x, u, kernel->derivative, &kernel->work, output, true);
+    if (motion_is_given(&kernel->model) &&
+        directional_point(&kernel->model, x, &kernel->work, kernel->derivative, &kernel->linear))
+        effective_masses(&kernel->model, &kernel->linear, output);
     return 1;
 }
 

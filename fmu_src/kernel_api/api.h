@@ -4,6 +4,7 @@
 
 #include "../kernel/catenary.h"
 #include "../kernel/dynamics.h"
+#include "../kernel/effective_mass.h"
 #include "../kernel/statics.h"
 
 #if defined(_WIN32)

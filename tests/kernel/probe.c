@@ -186,6 +186,9 @@ void probe_repeat_core(Probe *probe, double *x, const double *u, double *derivat
 void probe_outputs(Probe *probe, const double *x, const double *u, const double *derivative, double *output)
 {
     cable_outputs(probe->model, x, u, derivative, probe->work, output, derivative != NULL);
+    if (derivative && motion_is_given(probe->model) &&
+        directional_point(probe->model, x, probe->work, derivative, probe->linear))
+        effective_masses(probe->model, probe->linear, output);
 }
 
 /* Directional derivatives of right-hand side and outputs at (x, u); 0 where there are none. */

@@ -19,8 +19,9 @@ __all__ = ["ENUMERATIONS", "STATE_OUTPUTS", "Enumeration", "Item", "Kind", "Vari
 STATE_OUTPUTS = ("y_m1", "v_m1", "x_m1", "vx_m1")
 """Outputs that are states themselves: floater 1's displacement and velocity."""
 
-PORT_OUTPUTS = {1: ("F_1x", "F_1y"), 2: ("F_2x", "F_2y")}
-"""What the cable does to the vessel at either end."""
+_OF_PORT = ("F_{}x", "F_{}y", "m_{}xx", "m_{}xy", "m_{}yy")
+PORT_OUTPUTS = {end: tuple(name.format(end) for name in _OF_PORT) for end in (1, 2)}
+"""What the cable does to the vessel at either end, and the mass of it that the vessel feels."""
 
 FRAME = "x right, y down"
 """Every variable with a direction says so."""
@@ -306,6 +307,7 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         "vx_c": angles + vx + rates,
         "vy_c": angles + vy + rates,
         "energy": x + y + angles + vx + vy + rates,
+        **{name: angles for names in PORT_OUTPUTS.values() for name in names if name.startswith("m_")},
     }
     absent = {*STATE_OUTPUTS, *(PORT_OUTPUTS[1] if cable.top is not Top.MOTION else ())}
     absent |= set(PORT_OUTPUTS[2] if cable.terminal is not Terminal.MOTION else ())

@@ -17,7 +17,7 @@ from cablefmu.reference.chain import Array, Chain, chain_of
 from cablefmu.reference.kinematics import Motion, motion_of
 from cablefmu.reference.long_double import long_double_acceleration, long_double_outputs
 from cablefmu.reference.model import equation
-from cablefmu.reference.outputs import output_values
+from cablefmu.reference.outputs import effective_masses, output_values
 from cablefmu.reference.terminal import TerminalRule
 
 __all__ = ["extended_acceleration", "extended_outputs", "long_double_acceleration", "long_double_outputs"]
@@ -48,11 +48,15 @@ def extended_acceleration(
 def extended_outputs(
     cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float], *, digits: int = 50
 ) -> dict[str, Any]:
-    """The outputs of `outputs.output_values` with `digits` decimal digits, as `mpmath.mpf`."""
-    with mpmath.workdps(digits):
-        chain, motion, forces = _exact(cable, q, v, inputs)
+    """The outputs of `Reference.outputs` with `digits` decimal digits, as `mpmath.mpf`."""
+
+    def values(given: Mapping[str, float]) -> dict[str, Any]:
+        chain, motion, forces = _exact(cable, q, v, given)
         acceleration, pin_force = _solve(chain, motion, forces, "virtual_work")
         return output_values(chain, motion, acceleration, forces, pin_force)
+
+    with mpmath.workdps(digits):
+        return values(inputs) | effective_masses(chain_of(cable, mpmath.mpf), values, inputs)
 
 
 def _exact(cable: Cable, q: Floats, v: Floats, inputs: Mapping[str, float]) -> tuple[Chain, Motion, dict[str, Any]]:

@@ -12,7 +12,7 @@ from cablefmu.reference.chain import Array, Chain, Number, chain_of
 from cablefmu.reference.heavy_end import is_heavy
 from cablefmu.reference.kinematics import Motion, motion_of
 from cablefmu.reference.model import equation
-from cablefmu.reference.outputs import output_values
+from cablefmu.reference.outputs import effective_masses, output_values
 
 __all__ = ["long_double_acceleration", "long_double_outputs"]
 
@@ -32,10 +32,14 @@ def long_double_acceleration(cable: Cable, q: Array, v: Array, inputs: Mapping[s
 
 
 def long_double_outputs(cable: Cable, q: Array, v: Array, inputs: Mapping[str, Number]) -> dict[str, Any]:
-    """The outputs of `outputs.output_values` in long double, likewise."""
-    chain, motion, forces = _wide(cable, q, v, inputs)
-    acceleration, end_force = _solve_wide(chain, motion, forces)
-    return output_values(chain, motion, acceleration, forces, end_force)
+    """The outputs of `Reference.outputs` in long double, likewise."""
+
+    def values(given: Mapping[str, Number]) -> dict[str, Any]:
+        chain, motion, forces = _wide(cable, q, v, given)
+        acceleration, end_force = _solve_wide(chain, motion, forces)
+        return output_values(chain, motion, acceleration, forces, end_force)
+
+    return values(inputs) | effective_masses(chain_of(cable, np.longdouble), values, inputs)
 
 
 def _wide(cable: Cable, q: Array, v: Array, inputs: Mapping[str, Number]) -> tuple[Chain, Motion, dict[str, Any]]:

@@ -16,7 +16,7 @@ from cablefmu.reference.drag import drag_vector
 from cablefmu.reference.heavy_end import bordered, is_heavy
 from cablefmu.reference.kinematics import Motion, motion_of
 from cablefmu.reference.matrices import damping_matrix, inertia_matrix, stiffness_matrix
-from cablefmu.reference.outputs import joint_forces, output_values
+from cablefmu.reference.outputs import effective_masses, joint_forces, output_values
 from cablefmu.reference.terminal import TerminalRule, departure, terminal_force, terminal_vector
 from cablefmu.reference.vectors import drive_vector, gravity_vector, velocity_vector
 
@@ -123,10 +123,14 @@ class Reference:
         return self._solve(self._motion(q, v, inputs), inputs)[0]
 
     def outputs(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> dict[str, float]:
-        """The FMU's outputs by name at a state: see `outputs.output_values`."""
-        motion = self._motion(q, v, inputs)
-        acceleration, end_inertia_force = self._solve(motion, inputs)
-        return output_values(self.chain, motion, acceleration, inputs, end_inertia_force)
+        """The FMU's outputs by name at a state: see `outputs.output_values` and `outputs.effective_masses`."""
+
+        def values(given: Mapping[str, float]) -> dict[str, float]:
+            motion = self._motion(q, v, given)
+            acceleration, end_inertia_force = self._solve(motion, given)
+            return output_values(self.chain, motion, acceleration, given, end_inertia_force)
+
+        return values(inputs) | effective_masses(self.chain, values, inputs)
 
     def joint_forces(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
         """R_1 ... R_{n+1}, shape (n + 1, 2) [N]: see `outputs.joint_forces`. The last is that on what holds P_n."""

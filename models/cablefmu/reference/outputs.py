@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,16 @@ from cablefmu.reference.drag import drag_forces
 from cablefmu.reference.kinematics import Motion, accelerations, centres, points, velocities
 from cablefmu.reference.terminal import terminal_force
 
-__all__ = ["energy", "joint_forces", "kinetic_energy", "output_values", "potential_energy", "powers", "pulls"]
+__all__ = [
+    "effective_masses",
+    "energy",
+    "joint_forces",
+    "kinetic_energy",
+    "output_values",
+    "potential_energy",
+    "powers",
+    "pulls",
+]
 
 
 def output_values(
@@ -23,7 +32,7 @@ def output_values(
     inputs: Mapping[str, Number],
     end_inertia_force: Array | None = None,
 ) -> dict[str, Any]:
-    """Every output of the FMU by its name, SI; arguments as for `joint_forces`."""
+    """Every output of the FMU but `effective_masses` by its name, SI; arguments as for `joint_forces`."""
     position, velocity = points(chain, motion)[-1], velocities(chain, motion)[-1]
     forces = joint_forces(chain, motion, acceleration, inputs, end_inertia_force)
     pull = pulls(motion, forces)
@@ -38,6 +47,28 @@ def output_values(
         "tension_max": pull.max(),
         "energy": energy(chain, motion),
     }
+
+
+def effective_masses(
+    chain: Chain, outputs_at: Callable[[Mapping[str, Number]], Mapping[str, Any]], inputs: Mapping[str, Number]
+) -> dict[str, Any]:
+    """-dF/da at every end whose motion is given: m_pxx, m_pxy, m_pyy [kg].
+
+    Forces are affine in the accelerations, so that a change by 1 m/s^2 tells all.
+
+    Parameters
+    ----------
+    outputs_at
+        The other outputs under such inputs.
+    """
+    masses: dict[str, Any] = {}
+    for end in [1] * (chain.top is Top.MOTION) + [2] * chain.end_is_driven:
+        before = outputs_at(inputs)
+        x, y = (outputs_at({**inputs, name: inputs.get(name, 0.0) + 1}) for name in (f"ax_{end}", f"ay_{end}"))
+        masses[f"m_{end}xx"] = before[f"F_{end}x"] - x[f"F_{end}x"]
+        masses[f"m_{end}xy"] = before[f"F_{end}x"] - y[f"F_{end}x"]
+        masses[f"m_{end}yy"] = before[f"F_{end}y"] - y[f"F_{end}y"]
+    return masses
 
 
 def _port_values(chain: Chain, motion: Motion, forces: Array) -> dict[str, Any]:
