@@ -74,12 +74,33 @@ def write_scenes(folder: Path) -> Path:
     equilibrium = from_equilibrium(scenes[1])
     every = [*((scene, False) for scene in [*scenes, equilibrium]), (scenes[1], True), (equilibrium, True)]
     every += [(scene, True) for scene in scenes[3:]]  # springs, a pin and a floater: they hang between two ends
+    every += [(Scene.from_text(text, name=name), False) for name, text in _ports().items()]
     for number, (scene, arrays) in enumerate(every):
         unpacked = folder / f"scene-{number}" / f"{scene.name}-3"
         path = build_fmu(scene, folder / f"scene-{number}.fmu", fmi=3, arrays=arrays)
         extract(str(path), unzipdir=str(unpacked))
         (target / f"{number}.bin").write_bytes((unpacked / "resources" / "cable.bin").read_bytes())
     return target
+
+
+def _ports() -> dict[str, str]:
+    """Scenes with an end whose motion is given, and with a floater that surges."""
+    top = SCENES["pin"].index("[top]")
+    rest = SCENES["pin"].index("[", top + 1)
+    floater = SCENES["pin"][top:rest]
+    towed = SCENES["load"].replace(floater, '[top]\nkind = "motion"\n').replace("links = 5", "links = 2")
+    both_ways = floater + "stiffness_horizontal = 100\ndamping_horizontal = 10\n"
+    lifted = SCENES["pin"].replace(floater, both_ways).replace('kind = "pin"', 'kind = "motion"')
+    return {"towed": _without_forces(towed), "lifted": lifted.replace("links = 5", "links = 3")}
+
+
+def _without_forces(scene: str) -> str:
+    """Whose top has no force input."""
+    return re.sub(r"^u_m1\b.*\n", "", scene, flags=re.MULTILINE)
+
+
+_INSTEAD = {"u_m1": "ay_1", "M_1": "g", "y_m1": "y_c"}
+"""What a cable without a floater has at that place."""
 
 
 def _seeds_of_resources(scenes: Path, folder: Path) -> Path:
@@ -91,9 +112,9 @@ def _seeds_of_resources(scenes: Path, folder: Path) -> Path:
         (folder / f"{path.stem}-cut").write_bytes(whole[:-8])
         (folder / f"{path.stem}-long").write_bytes(whole + bytes(8))
     first = (scenes / "0.bin").read_bytes()
-    for word in range(0, 64, 4):
+    for word in range(0, 72, 4):
         (folder / f"word-{word}").write_bytes(first[:word] + bytes([first[word] ^ 0x47]) + first[word + 1 :])
-    (folder / "no-mass").write_bytes(first[: 56 + 8 * 64] + bytes(8) + first[64 + 8 * 64 :])
+    (folder / "no-mass").write_bytes(first[: 64 + 8 * 64] + bytes(8) + first[72 + 8 * 64 :])
     return folder
 
 
@@ -175,6 +196,7 @@ def _seeds_of_calls(folder: Path, scenes: Path) -> Path:
         description = read_model_description(str(unpacked), validate=False)
         reference = {variable.name: variable.valueReference for variable in description.modelVariables}
         reference |= {f"{name}[1]": reference[name] for name in ("theta", "omega") if name in reference}
+        reference |= {name: reference[other] for name, other in _INSTEAD.items() if name not in reference}
         for number, journeys in enumerate(_batches(_journeys(fmi, cosimulation, scene, reference), 8)):
             (folder / f"{fmi}-{cosimulation}-{scene}-{number}").write_bytes(b"".join(itertools.chain(*journeys)))
     return folder

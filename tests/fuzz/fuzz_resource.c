@@ -27,6 +27,8 @@ int checked_call(Slot *slot, const Record *record)
 /* A step of a cable whose numbers may be impossible: refused or finite. */
 static void travel(Slot *slot)
 {
+    /* Thousands of links with impossible numbers take long to be given up, and no other branch than a few do. */
+    shorten(slot);
     for (int k = 0; k < 2; k++) {
         for (uint32_t reference = 0; reference < slot->scene->variables; reference++) {
             double value = 0.0;
@@ -35,8 +37,6 @@ static void travel(Slot *slot)
             if (known && !isfinite(value)) give_up("OK, but not a finite number", "of a damaged file");
             if (!known && slot->messages == before) give_up("refused without a word", "of a damaged file");
         }
-        /* Thousands of links with impossible numbers take long to be given up, and no other branch than a few do. */
-        if (k == 0) shorten(slot);
         if (k == 0 && (run_up(slot, 1e-3) != 0 || (slot->is_cosimulation && do_step(slot, 0.0, 0.01) != 0))) return;
     }
 }
