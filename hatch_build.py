@@ -29,7 +29,5 @@ class BinariesHook(BuildHookInterface):
         return [] if toolchain.is_current(BINARIES) else list(toolchain.REQUIREMENTS)
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        toolchain = _toolchain()
-        if not toolchain.is_current(BINARIES):
-            toolchain.build_binaries(BINARIES)
+        _toolchain().build_binaries(BINARIES)  # what is current is not compiled again
         build_data["artifacts"].append("/models/cablefmu/binaries/**")
