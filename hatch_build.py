@@ -29,5 +29,7 @@ class BinariesHook(BuildHookInterface):
         return [] if toolchain.is_current(BINARIES) else list(toolchain.REQUIREMENTS)
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        _toolchain().build_binaries(BINARIES)  # what is current is not compiled again
-        build_data["artifacts"].append("/models/cablefmu/binaries/**")
+        toolchain = _toolchain()
+        toolchain.build_binaries(BINARIES)  # what is current is not compiled again
+        folder = BINARIES.relative_to(ROOT).as_posix()
+        build_data["artifacts"] += [f"/{folder}/{name}" for name in toolchain.products()]  # git ignores them

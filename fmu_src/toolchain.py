@@ -253,19 +253,33 @@ def _hash_line(folder: Path, path: Path) -> str:
     return f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder).as_posix()}"
 
 
+def texts() -> dict[str, bytes]:
+    """What is not compiled, by its path in the folder of binaries: variable table, partners, C sources, licences."""
+    licences = (HERE.parent / "LICENSE", HERE / "THIRD_PARTY.txt")
+    return {
+        "LICENSE": b"\n".join(path.read_bytes() for path in licences),
+        "variables.def": (HERE / "kernel" / "variables.def").read_bytes(),
+        **{f"partners/{path.name}": path.read_bytes() for path in partner_sources()},
+        **{f"sources/{path.relative_to(HERE).as_posix()}": path.read_bytes() for path in fmu_sources()},
+    }
+
+
 def copy_texts(folder: Path) -> None:
-    """Into `folder` what is not compiled: the variable table, the C sources, the partners' scripts, the licence."""
+    """Into `folder` what is not compiled."""
     shutil.rmtree(folder / "sources", ignore_errors=True)  # files that are gone
-    for path in fmu_sources():
-        copy = folder / "sources" / path.relative_to(HERE)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_bytes(path.read_bytes())
-    (folder / "partners").mkdir(parents=True, exist_ok=True)
-    for path in partner_sources():
-        (folder / "partners" / path.name).write_bytes(path.read_bytes())
-    (folder / "variables.def").write_bytes((HERE / "kernel" / "variables.def").read_bytes())
-    texts = [HERE.parent / "LICENSE", HERE / "THIRD_PARTY.txt"]
-    (folder / "LICENSE").write_bytes(b"\n".join(path.read_bytes() for path in texts))
+    for name, content in texts().items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
+
+
+def products() -> list[str]:
+    """Every file of the folder of binaries, by its path in it: what wheel and sdist carry."""
+    libraries = [
+        f"{platform}/{name}"
+        for platform, (_, library) in TARGETS.items()
+        for name in (library, KERNEL + Path(library).suffix, STAMP)
+    ]
+    return sorted([*libraries, f"{UNIVERSAL[0]}/cable.dylib", HASHES, *texts()])
 
 
 def platform_is_current(folder: Path, platform: str) -> bool:
