@@ -255,9 +255,9 @@ def _hash_line(folder: Path, path: Path) -> str:
 
 def texts() -> dict[str, bytes]:
     """What is not compiled, by its path in the folder of binaries: variable table, partners, C sources, licences."""
-    licences = (HERE.parent / "LICENSE", HERE / "THIRD_PARTY.txt")
     return {
-        "LICENSE": b"\n".join(path.read_bytes() for path in licences),
+        "LICENSE": (HERE.parent / "LICENSE").read_bytes(),
+        "THIRD_PARTY.txt": (HERE / "THIRD_PARTY.txt").read_bytes(),
         "variables.def": (HERE / "kernel" / "variables.def").read_bytes(),
         **{f"partners/{path.name}": path.read_bytes() for path in partner_sources()},
         **{f"sources/{path.relative_to(HERE).as_posix()}": path.read_bytes() for path in fmu_sources()},

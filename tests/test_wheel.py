@@ -29,7 +29,7 @@ SUFFIX = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
 BINARIES = {
     *(f"{on}/{stem}{SUFFIX[on.partition('-')[2]]}" for on in PLATFORMS for stem in ("cable", "kernel")),
     *(f"{name}/source_hash.txt" for name in PLATFORMS),
-    "universal-darwin/cable.dylib", "SHA256SUMS", "LICENSE", "variables.def",
+    "universal-darwin/cable.dylib", "SHA256SUMS", "LICENSE", "THIRD_PARTY.txt", "variables.def",
     *(f"partners/{path.name}" for path in (ROOT / "fmu_src" / "partners").glob("*.py")),
 }  # fmt: skip
 """What the package holds below binaries/, which git does not know."""
