@@ -31,6 +31,11 @@ BINARIES = {
     *(f"{name}/source_hash.txt" for name in PLATFORMS),
     "universal-darwin/cable.dylib", "SHA256SUMS", "LICENSE", "THIRD_PARTY.txt", "variables.def",
     *(f"partners/{path.name}" for path in (ROOT / "fmu_src" / "partners").glob("*.py")),
+    *(
+        f"sources/{folder}/{path.name}"
+        for folder in ("kernel", "fmi") for path in (ROOT / "fmu_src" / folder).iterdir()
+        if path.suffix in {".c", ".h", ".def"}
+    ),
 }  # fmt: skip
 """What the package holds below binaries/, which git does not know."""
 COMPILERS = ("cc", "gcc", "clang", "tcc", "zig", "c++", "ld")

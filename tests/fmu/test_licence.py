@@ -9,7 +9,9 @@ import pytest
 
 from cablefmu.fmu.archive import build_fmu
 from cablefmu.fmu.twin import build_twin
+from cablefmu.fmu.vessel import build_vessel
 from tests.fmu.test_platforms import SYSTEM
+from tests.fmu.test_vessel import SINES
 from tests.fmu_helpers import small_scene
 from tests.kernel.library import ROOT, toolchain
 
@@ -37,7 +39,9 @@ def test_it_names_the_compiler_in_use_and_all_that_is_linked_to(tmp_path: Path) 
     assert len(libraries) == 3 and all(name in text for name in libraries)
 
 
-def test_a_twin_has_ours_and_that_of_the_library_in_it(tmp_path: Path) -> None:
-    text = licence_in(build_twin(small_scene("air"), tmp_path / "x.fmu"))
+@pytest.mark.parametrize("kind", ["twin", "vessel"])
+def test_a_slave_in_python_has_ours_and_that_of_the_library_in_it(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.fmu"
+    text = licence_in(build_twin(small_scene("air"), path) if kind == "twin" else build_vessel(SINES, path))
     assert text.startswith(OURS) and "zig" not in text
     assert "MIT License" in text and "NTNU" in text and "Mozilla Public License 2.0" in text
