@@ -57,7 +57,7 @@ def with_wine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def remoted(path: Path, folder: Path) -> Path:
     """The FMU for Windows in `folder`, with the remoting's client as its library for Linux."""
     extract(str(path), unzipdir=str(folder))
-    assert supported_platforms(str(folder)) == ["win64"]
+    assert {"win64", "linux64"}.intersection(supported_platforms(str(folder))) == {"win64"}
     add_remoting(str(folder), "linux64", "win64")
     (client,) = (folder / "binaries" / "linux64").iterdir()
     ctypes.CDLL(str(client))  # held: FMPy unloads it after a run, and a thread of the client's may still be in it
