@@ -30,6 +30,6 @@ class BinariesHook(BuildHookInterface):
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         toolchain = _toolchain()
-        if not toolchain.is_current(BINARIES):
-            toolchain.build_binaries(BINARIES)
-        build_data["artifacts"].append("/models/cablefmu/binaries/**")
+        toolchain.build_binaries(BINARIES)  # what is current is not compiled again
+        folder = BINARIES.relative_to(ROOT).as_posix()
+        build_data["artifacts"] += [f"/{folder}/{name}" for name in toolchain.products()]  # git ignores them

@@ -32,8 +32,8 @@ TARGETS = {
 }
 """FMI 3 platform tuple -> (target of the compiler, file name of the FMU's library)."""
 
-KERNEL = "kernel"
-"""Beside it, with the same suffix: the kernel for Python, which no FMU holds."""
+CABLE, KERNEL = "cable", "kernel"
+"""The FMU's library, and beside it, with the same suffix: the kernel for Python, which no FMU holds."""
 
 UNIVERSAL = ("universal-darwin", ("x86_64-darwin", "aarch64-darwin"))
 """Both of Apple's processors in one file, as FMI 2 wants it."""
@@ -43,6 +43,12 @@ STAMP = "source_hash.txt"
 
 SUFFIXES = {".c", ".h", ".def"}
 """Of C sources, headers and tables."""
+
+HASHES = "SHA256SUMS"
+"""SHA-256 of every library in the folder, as sha256sum writes it and checks it."""
+
+_SAME_ALWAYS = {"SOURCE_DATE_EPOCH": "0"}
+"""The compiler's environment: a library for Windows says when it was linked, unless it is told when."""
 
 REQUIREMENTS = ["ziglang==0.17.1", "fmpy>=0.3.23,<0.4"]
 """What compiling needs from PyPI: the compiler (pinned: its output is hashed), and FMPy for the FMI headers."""
@@ -126,7 +132,8 @@ def compile_library(output: Path, sources: list[Path], flags: list[str], *, targ
 
 def _zig(arguments: list[str]) -> None:
     """The compiler, which also links; its words if it fails."""
-    result = subprocess.run([sys.executable, "-m", "ziglang", "cc", *arguments], capture_output=True, text=True)
+    command = [sys.executable, "-m", "ziglang", "cc", *arguments]
+    result = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **_SAME_ALWAYS})
     if result.returncode:
         raise RuntimeError(f"the compiler failed:\n{result.stderr}")
 
@@ -155,23 +162,35 @@ def _link_flags(platform: str, name: str) -> list[str]:
     return ["-s", "-shared", "-lm"]
 
 
+def _sources(platform: str) -> tuple[list[Path], list[Path], list[Path]]:
+    """What both libraries hold, and what the FMU's and the kernel's hold besides."""
+    shim = windows_sources() if platform.endswith("windows") else []
+    return [*kernel_sources(), *shim], fmi_sources(), kernel_api_sources()
+
+
+def compile_objects(folder: Path, platform: str) -> dict[Path, Path]:
+    """Every source -> its object in `folder`, for one platform."""
+    target, flags = _target(TARGETS[platform][0]), [*STRICT, *_compile_flags(platform), *_headers()]
+    sources = [source for group in _sources(platform) for source in group]
+    objects = {source: folder / f"{k}-{source.stem}.o" for k, source in enumerate(sources)}
+
+    def compile_one(source: Path) -> None:
+        _zig([*target, *flags, "-c", str(source), "-o", str(objects[source])])
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(compile_one, sources))
+    return objects
+
+
 def build_platform(folder: Path, platform: str) -> None:
     """The FMU's library and the kernel's for one platform into `folder`; each source is compiled once."""
     target, library = TARGETS[platform]
-    shim = windows_sources() if platform.endswith("windows") else []
-    sources = [*kernel_sources(), *fmi_sources(), *kernel_api_sources(), *shim]
+    both, adapters, kernel_api = _sources(platform)
+    folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
-        objects = {source: Path(name) / f"{k}-{source.stem}.o" for k, source in enumerate(sources)}
-
-        def compile_one(source: Path) -> None:
-            flags = [*STRICT, *_compile_flags(platform), *_headers()]
-            _zig([*_target(target), *flags, "-c", str(source), "-o", str(objects[source])])
-
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(compile_one, sources))
-        folder.mkdir(parents=True, exist_ok=True)
-        for output, last in ((library, fmi_sources()), (KERNEL + Path(library).suffix, kernel_api_sources())):
-            parts = [str(objects[source]) for source in [*kernel_sources(), *last, *shim]]
+        objects = compile_objects(Path(name), platform)
+        for output, own in ((library, adapters), (KERNEL + Path(library).suffix, kernel_api)):
+            parts = [str(objects[source]) for source in [*both, *own]]
             _zig([*_target(target), *parts, "-o", str(folder / output), *_link_flags(platform, output)])
     for left_over in folder.glob("*.lib"):  # of the linker for Windows
         left_over.unlink()
@@ -220,34 +239,66 @@ def build_binaries(folder: Path, platforms: Iterable[str] = TARGETS) -> None:
         (folder / name).mkdir(exist_ok=True)
         (folder / name / "cable.dylib").write_bytes(join_universal({MACH_X86_64: x86, MACH_ARM64: arm}))
     copy_texts(folder)
+    record_hashes(folder)
+
+
+def record_hashes(folder: Path) -> None:
+    """Write down what every library in `folder` is."""
+    libraries = sorted(path for stem in (CABLE, KERNEL) for path in folder.glob(f"*/{stem}.*"))
+    lines = (_hash_line(folder, path) + "\n" for path in libraries)
+    (folder / HASHES).write_text("".join(lines), newline="\n")
+
+
+def _hash_line(folder: Path, path: Path) -> str:
+    return f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder).as_posix()}"
+
+
+def texts() -> dict[str, bytes]:
+    """What is not compiled, by its path in the folder of binaries: variable table, partners, C sources, licences."""
+    return {
+        "LICENSE": (HERE.parent / "LICENSE").read_bytes(),
+        "THIRD_PARTY.txt": (HERE / "THIRD_PARTY.txt").read_bytes(),
+        "variables.def": (HERE / "kernel" / "variables.def").read_bytes(),
+        **{f"partners/{path.name}": path.read_bytes() for path in partner_sources()},
+        **{f"sources/{path.relative_to(HERE).as_posix()}": path.read_bytes() for path in fmu_sources()},
+    }
 
 
 def copy_texts(folder: Path) -> None:
-    """Into `folder` what is not compiled: the variable table, the C sources, the partners' scripts, the licence."""
+    """Into `folder` what is not compiled."""
     shutil.rmtree(folder / "sources", ignore_errors=True)  # files that are gone
-    for path in fmu_sources():
-        copy = folder / "sources" / path.relative_to(HERE)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_bytes(path.read_bytes())
-    (folder / "partners").mkdir(parents=True, exist_ok=True)
-    for path in partner_sources():
-        (folder / "partners" / path.name).write_bytes(path.read_bytes())
-    (folder / "variables.def").write_bytes((HERE / "kernel" / "variables.def").read_bytes())
-    (folder / "LICENSE").write_bytes((HERE.parent / "LICENSE").read_bytes())
+    for name, content in texts().items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
+
+
+def products() -> list[str]:
+    """Every file of the folder of binaries, by its path in it: what wheel and sdist carry."""
+    libraries = [
+        f"{platform}/{name}"
+        for platform, (_, library) in TARGETS.items()
+        for name in (library, KERNEL + Path(library).suffix, STAMP)
+    ]
+    return sorted([*libraries, f"{UNIVERSAL[0]}/cable.dylib", HASHES, *texts()])
 
 
 def platform_is_current(folder: Path, platform: str) -> bool:
-    """Whether `folder` holds this platform's libraries, of the present sources."""
-    library = TARGETS[platform][1]
-    built = all((folder / platform / name).is_file() for name in (library, KERNEL + Path(library).suffix))
-    stamp = folder / platform / STAMP
-    return built and stamp.is_file() and stamp.read_text().strip() == source_hash()
+    """Whether `folder` holds this platform's libraries, of the present sources and as they were compiled."""
+    suffix, stamp = Path(TARGETS[platform][1]).suffix, folder / platform / STAMP
+    if not stamp.is_file() or stamp.read_text().strip() != source_hash():
+        return False
+    return all(_is_as_recorded(folder, folder / platform / (stem + suffix)) for stem in (CABLE, KERNEL))
+
+
+def _is_as_recorded(folder: Path, library: Path) -> bool:
+    recorded = folder / HASHES
+    return library.is_file() and recorded.is_file() and _hash_line(folder, library) in recorded.read_text().splitlines()
 
 
 def is_current(folder: Path) -> bool:
     """Whether `folder` holds the binaries of the present sources, for every platform."""
-    universal = folder / UNIVERSAL[0] / "cable.dylib"
-    return universal.is_file() and all(platform_is_current(folder, platform) for platform in TARGETS)
+    universal = _is_as_recorded(folder, folder / UNIVERSAL[0] / "cable.dylib")
+    return universal and all(platform_is_current(folder, platform) for platform in TARGETS)
 
 
 if __name__ == "__main__":

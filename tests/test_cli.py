@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from cablefmu import __version__
 from cablefmu.cli import main
+from cablefmu.provenance import version_text
 from cablefmu.scene import load_scene, shipped_scenes
 from tests.fmu_helpers import SCENES
 from tests.test_bad_scenes import BAD, CSV, GOOD
@@ -65,7 +65,7 @@ def test_a_scene_is_printed_as_it_is(name: str, command: Command) -> None:
 
 
 def test_the_version_is_told(command: Command) -> None:
-    assert command("--version").out == f"cablefmu {__version__}\n"
+    assert command("--version").out == version_text() + "\n"
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ import xarray as xr
 from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
-from . import __version__
 from .errors import CableError, OptionError, RunError
 from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
@@ -23,6 +22,7 @@ from .fmu.twin import build_twin
 from .fmu.variables import ENUMERATIONS
 from .plot import check_picture, plot_frames
 from .progress import showing_progress
+from .provenance import version_text
 from .report import ACCURACY, LIMIT
 from .report_command import Asked, write_scene_reports
 from .results import write_results
@@ -37,7 +37,7 @@ __all__ = ["app", "main"]
 app = App(
     name="cablefmu",
     help="Functional Mock-up Units of underwater cables, from a scene file.",
-    version=f"cablefmu {__version__}",
+    version=version_text,
     help_format="plaintext",
 )
 

@@ -238,7 +238,7 @@ def test_clang_gives_the_same_bits_on_another_processor(
         (tmp_path / name).mkdir()
         for solver in (EXPLICIT, IMPLICIT):
             run = run_of(load_scene(name), tmp_path / name, solver, STOP, 0.1)
-            expected, found = MACHINES[0].run(run, tmp_path), machine.run(run, tmp_path, library)
+            expected, found = MACHINES[0].run(run, tmp_path), machine.run(run, tmp_path, library=library)
             assert np.isfinite(expected).all() and np.any(expected[-1] != expected[0])
             assert found.tobytes() == expected.tobytes(), (name, solver)
 

@@ -1,9 +1,8 @@
 /*
- * A small FMI 2 Co-Simulation host for any platform. The environment says what it runs: HOST_LIBRARY, HOST_RESOURCES,
+ * A small Co-Simulation host of FMI 2 and FMI 3 for any platform. The environment says what it runs: HOST_LIBRARY,
  * HOST_TOKEN, HOST_SCRIPT, HOST_RESULT, so that on Windows no start-up code is needed to take a command line apart. The
- * script, in this machine's byte order: int32 inputs, outputs, steps, solver (its value, and its reference); double step,
- * tolerance; uint32 references of inputs, then of outputs; double inputs[steps][inputs]. The result: double
- * outputs[steps + 1][outputs].
+ * script, in this machine's byte order: the Header below; uint32 references of inputs, then of outputs; double
+ * inputs[steps][inputs]. The result: double outputs[steps + 1][outputs].
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -11,6 +10,7 @@
 #include <string.h>
 
 #include "fmi2FunctionTypes.h"
+#include "fmi3FunctionTypes.h"
 
 #if defined(_WIN32)
 #include <windows.h>
@@ -35,9 +35,17 @@ static void *find(void *library, const char *name)
 #endif
 
 typedef struct {
-    int32_t inputs, outputs, steps, solver, solver_reference, unused;
+    int32_t fmi, inputs, outputs, steps, solver, solver_reference; /* fmi: 2 or 3 */
     double step, tolerance;
+    char resources[1024]; /* what the FMU is told: a URI or a path, UTF-8, which Windows' environment could not carry */
 } Header;
+
+typedef struct {
+    const Header *head;
+    const uint32_t *input, *output; /* references */
+    double *u, *y;
+    FILE *script, *result;
+} Task;
 
 /* Into the result's place: there is no standard error without start-up code. */
 static void fail(const char *what)
@@ -51,10 +59,16 @@ static void fail(const char *what)
     exit(1);
 }
 
-static void log_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
-                        fmi2String message, ...)
+static void message2(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
+                     fmi2String message, ...)
 {
     (void)environment, (void)name, (void)status, (void)category;
+    fail(message);
+}
+
+static void message3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message)
+{
+    (void)environment, (void)status, (void)category;
     fail(message);
 }
 
@@ -72,8 +86,7 @@ static void *room(size_t count, size_t size)
 
 #define FIND(name) name##TYPE *name = (name##TYPE *)(uintptr_t)find(library, #name)
 
-static void run(void *library, const Header *head, const uint32_t *input, const uint32_t *output, FILE *script,
-                FILE *result)
+static void run2(void *library, Task t)
 {
     FIND(fmi2Instantiate);
     FIND(fmi2SetupExperiment);
@@ -84,28 +97,60 @@ static void run(void *library, const Header *head, const uint32_t *input, const 
     FIND(fmi2GetReal);
     FIND(fmi2DoStep);
     FIND(fmi2FreeInstance);
-    const fmi2CallbackFunctions callbacks = {log_message, NULL, NULL, NULL, NULL};
-    fmi2Component c = fmi2Instantiate("a", fmi2CoSimulation, getenv("HOST_TOKEN"), getenv("HOST_RESOURCES"), &callbacks,
-                                      fmi2False, fmi2False);
+    const Header *head = t.head;
+    const fmi2CallbackFunctions callbacks = {message2, NULL, NULL, NULL, NULL};
+    fmi2Component c =
+        fmi2Instantiate("a", fmi2CoSimulation, getenv("HOST_TOKEN"), head->resources, &callbacks, fmi2False, fmi2False);
     if (!c) fail("no instance");
     const size_t inputs = (size_t)head->inputs, outputs = (size_t)head->outputs;
-    double *u = room(inputs, sizeof *u), *y = room(outputs, sizeof *y);
     const uint32_t solver = (uint32_t)head->solver_reference;
     int bad = fmi2SetInteger(c, &solver, 1, &head->solver) != fmi2OK;
     bad |= fmi2SetupExperiment(c, fmi2True, head->tolerance, 0.0, fmi2False, 0.0) != fmi2OK;
     bad |= fmi2EnterInitializationMode(c) != fmi2OK || fmi2ExitInitializationMode(c) != fmi2OK;
     for (int k = 0; !bad; k++) {
-        bad |= fmi2GetReal(c, output, outputs, y) != fmi2OK;
-        fwrite(y, sizeof *y, outputs, result);
+        bad |= fmi2GetReal(c, t.output, outputs, t.y) != fmi2OK;
+        fwrite(t.y, sizeof *t.y, outputs, t.result);
         if (k == head->steps) break;
-        take(u, sizeof *u, inputs, script);
-        bad |= fmi2SetReal(c, input, inputs, u) != fmi2OK;
+        take(t.u, sizeof *t.u, inputs, t.script);
+        bad |= fmi2SetReal(c, t.input, inputs, t.u) != fmi2OK;
         bad |= fmi2DoStep(c, k * head->step, head->step, fmi2True) != fmi2OK;
     }
     if (bad) fail("the FMU refused a call");
     fmi2FreeInstance(c);
-    free(u);
-    free(y);
+}
+
+static void run3(void *library, Task t)
+{
+    FIND(fmi3InstantiateCoSimulation);
+    FIND(fmi3EnterInitializationMode);
+    FIND(fmi3ExitInitializationMode);
+    FIND(fmi3SetInt64);
+    FIND(fmi3SetFloat64);
+    FIND(fmi3GetFloat64);
+    FIND(fmi3DoStep);
+    FIND(fmi3FreeInstance);
+    const Header *head = t.head;
+    fmi3Instance c = fmi3InstantiateCoSimulation("a", getenv("HOST_TOKEN"), head->resources, false, false, false, false,
+                                                 NULL, 0, NULL, message3, NULL);
+    if (!c) fail("no instance");
+    const size_t inputs = (size_t)head->inputs, outputs = (size_t)head->outputs;
+    const uint32_t reference = (uint32_t)head->solver_reference;
+    const int64_t solver = head->solver;
+    bool event, terminate, early;
+    double reached;
+    int bad = fmi3SetInt64(c, &reference, 1, &solver, 1) != fmi3OK;
+    bad |= fmi3EnterInitializationMode(c, true, head->tolerance, 0.0, false, 0.0) != fmi3OK;
+    bad |= fmi3ExitInitializationMode(c) != fmi3OK;
+    for (int k = 0; !bad; k++) {
+        bad |= fmi3GetFloat64(c, t.output, outputs, t.y, outputs) != fmi3OK;
+        fwrite(t.y, sizeof *t.y, outputs, t.result);
+        if (k == head->steps) break;
+        take(t.u, sizeof *t.u, inputs, t.script);
+        bad |= fmi3SetFloat64(c, t.input, inputs, t.u, inputs) != fmi3OK;
+        bad |= fmi3DoStep(c, k * head->step, head->step, true, &event, &terminate, &early, &reached) != fmi3OK;
+    }
+    if (bad) fail("the FMU refused a call");
+    fmi3FreeInstance(c);
 }
 
 static FILE *open_named(const char *variable, const char *mode)
@@ -127,9 +172,12 @@ static int host(void)
     uint32_t *input = room((size_t)head.inputs, sizeof *input), *output = room((size_t)head.outputs, sizeof *output);
     take(input, sizeof *input, (size_t)head.inputs, script);
     take(output, sizeof *output, (size_t)head.outputs, script);
-    run(library, &head, input, output, script, result);
+    double *u = room((size_t)head.inputs, sizeof *u), *y = room((size_t)head.outputs, sizeof *y);
+    (head.fmi == 3 ? run3 : run2)(library, (Task){&head, input, output, u, y, script, result});
     free(input);
     free(output);
+    free(u);
+    free(y);
     fclose(script);
     return fclose(result) != 0;
 }

@@ -19,6 +19,7 @@ from ..scene import Scene, load_scene
 from ..whole import whole_of
 from .description import Experiment, describe, model_identifier
 from .documentation import DOCUMENTATION, documentation
+from .licence import LICENCE, licence
 from .platforms import binaries
 from .resource import RESOURCE_NAME, resource_bytes, token_of
 from .sources import FOLDER, sources
@@ -102,7 +103,7 @@ def _members(scene: Scene, fmi: int, whole: Whole | None, libraries: Mapping[str
             replace(scene, cable=whole.rest_of(scene.cable)) if whole else scene, variables, fmi=fmi,
             file=default_path(scene, fmi, arrays=whole is not None).name,
         ),
-        "documentation/licenses/license.txt": (package / "LICENSE").read_bytes(),
+        LICENCE: licence(),
         **terminals_and_icons(scene.cable, variables),
         **{f"{FOLDER}/{name}": content for name, content in sources(fmi, identifier).items()},
     }  # fmt: skip

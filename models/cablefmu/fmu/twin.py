@@ -6,7 +6,6 @@ The slave itself is fmu_src/partners/twin.py, which travels in the package's bin
 from __future__ import annotations
 
 import json
-from importlib.resources import files
 from pathlib import Path
 
 from .. import __version__
@@ -17,6 +16,7 @@ from ..scene import Scene, load_scene
 from .archive import write_zip
 from .description import Experiment, describe, model_identifier
 from .documentation import DOCUMENTATION, documentation
+from .licence import LICENCE, slave_licence
 from .python_slave import partner_script, slave_description, slave_members
 from .resource import token_of
 from .variables import Kind, Variable, variables_of
@@ -73,7 +73,7 @@ def build_twin(scene: Scene | str | Path, output: str | Path | None = None) -> P
     members = _packed(scene)
     members["modelDescription.xml"] = _description(scene, token_of(b"".join(members[name] for name in sorted(members))))
     members[DOCUMENTATION] = documentation(scene, twin_variables(scene), fmi=2, file=name, twin=_REMARK)
-    members["documentation/licenses/license.txt"] = (files("cablefmu") / "binaries" / "LICENSE").read_bytes()
+    members[LICENCE] = slave_licence()
     with replacing(path) as temporary:
         write_zip(temporary, members)
     return path

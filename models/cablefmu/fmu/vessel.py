@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from ..files import check_writable, replacing
 from ..vessel import BodyTable, CsvTable, SinesTable, Vessel
 from .archive import write_zip
 from .description import describe, model_identifier
+from .licence import LICENCE, slave_licence
 from .python_slave import partner_script, slave_description, slave_members
 from .resource import token_of
 from .variables import FRAME, Kind, Variable
@@ -74,7 +74,7 @@ def _members(vessel: Vessel) -> dict[str, bytes]:
         token=token_of(b"".join(members[name] for name in sorted(members))), variables=variables,
     )  # fmt: skip
     members["modelDescription.xml"] = slave_description(native, keeps_state=True)
-    members["documentation/licenses/license.txt"] = (files("cablefmu") / "binaries" / "LICENSE").read_bytes()
+    members[LICENCE] = slave_licence()
     return members
 
 

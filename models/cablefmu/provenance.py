@@ -1,0 +1,46 @@
+"""Which version this is, of which sources its libraries are, and what they are to the bit."""
+
+from __future__ import annotations
+
+import hashlib
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+
+from . import __version__
+from .fmu.platforms import PLATFORMS, binaries, library_name
+
+__all__ = ["version_text"]
+
+_DIGITS = 12
+_NONE = "-"
+
+
+def version_text() -> str:
+    """The version, and for every platform the SHA-256 of its sources, of the FMU's library and of the kernel's.
+
+    Each is worked out from the file itself, the first digits of what binaries/SHA256SUMS has in full; "-" where there
+    is none.
+    """
+    rows = [("", "sources", "FMU", "kernel")]
+    for platform in PLATFORMS:
+        fmu, kernel = (_hash(library_name(stem, platform)) for stem in ("cable", "kernel"))
+        rows.append((platform, _stamp(platform), fmu, kernel))
+    universal = binaries(2)["darwin64"]
+    rows.append((universal.partition("/")[0], _NONE, _hash(universal), _NONE))
+    lines = [f"{name:<16}  {source:<{_DIGITS}}  {fmu:<{_DIGITS}}  {kernel}" for name, source, fmu, kernel in rows]
+    return "\n".join([f"cablefmu {__version__}", *lines])
+
+
+def _file(name: str) -> Traversable:
+    return files("cablefmu") / "binaries" / name
+
+
+def _stamp(platform: str) -> str:
+    """Of the C sources, the partners' scripts and the recipe, as the build has it."""
+    stamp = _file(f"{platform}/source_hash.txt")
+    return stamp.read_text(encoding="ascii")[:_DIGITS] if stamp.is_file() else _NONE
+
+
+def _hash(name: str) -> str:
+    binary = _file(name)
+    return hashlib.sha256(binary.read_bytes()).hexdigest()[:_DIGITS] if binary.is_file() else _NONE
