@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
@@ -19,9 +19,19 @@ from cablefmu.fmu.archive import build_fmu
 from cablefmu.fmu.platforms import for_this_machine
 from cablefmu.scene import Scene
 
-__all__ = ["KINDS", "SCENES", "Host", "from_equilibrium", "small_scene", "unpack", "with_links", "with_parameters"]
+__all__ = [
+    "KINDS",
+    "SCENES",
+    "Host",
+    "from_equilibrium",
+    "pushed",
+    "small_scene",
+    "unpack",
+    "with_links",
+    "with_parameters",
+]
 
-_CABLE = """
+_LINKS = """
 format = 1
 description = "Five links, small and quick"
 [cable]
@@ -31,16 +41,21 @@ diameter = 0.02
 density = 7850
 young_modulus = 8e10
 joint_damping = 2.8
+[run]
+stop_time = 2
+"""
+_FLOATER = """
 [top]
 kind = "floater"
 mass = 600
 stiffness = 1200
 damping = 240
-[run]
-stop_time = 2
+"""
+_DRIVEN = """
 [inputs]
 u_m1 = { signal = "sine", amplitude = 800, frequency = 0.5 }
 """
+_CABLE = _LINKS + _FLOATER + _DRIVEN
 _WATER = "[water]\nCd = 1.0\n"
 _HANGING = '[shape]\nkind = "straight"\nangle = 0.5\n'
 _HELD = 'position = [12, 13]\n[shape]\nkind = "catenary"\n'
@@ -48,6 +63,15 @@ _SPRINGS = (
     "stiffness_horizontal = 5e3\ndamping_horizontal = 300\nstiffness_vertical = 4e3\ndamping_vertical = 200\n" + _HELD
 )
 _LOAD = '[terminal]\nkind = "load"\nmass = 60\nrotary_inertia = 50\n'
+_SURGES = "stiffness_horizontal = 900\ndamping_horizontal = 150\n"
+_MOVED = """
+[top]
+kind = "motion"
+[inputs]
+x_1 = { signal = "sine", amplitude = 0.4, frequency = 0.5, phase = "-90 deg", offset = 0.6 }
+y_1 = { signal = "sine", amplitude = 0.3, frequency = 0.4, phase = "-90 deg", offset = 0.3 }
+"""
+_MOVED_BELOW = 'y_2 = { signal = "sine", amplitude = 0.2, frequency = 0.6, phase = "90 deg", offset = 12.7 }\n'
 
 SCENES = {
     "air": _CABLE + _LOAD + _HANGING,
@@ -57,13 +81,25 @@ SCENES = {
     "anchor-spring": _CABLE + _WATER + '[terminal]\nkind = "anchor-spring"\nmass = 60\ndensity = 7850\n' + _SPRINGS,
     "pin": _CABLE + _WATER + '[terminal]\nkind = "pin"\n' + _HELD,
     "floater": _CABLE + _WATER + '[terminal]\nkind = "floater"\nmass = 500\nhorizontal_force = true\n' + _SPRINGS,
+    "surge": _LINKS + _FLOATER + _SURGES + _DRIVEN + _WATER + '[terminal]\nkind = "pin"\n' + _HELD,
+    "moved": _LINKS + _MOVED + _WATER + _LOAD + "density = 7850\n" + _HANGING,
+    "between": _LINKS + _MOVED + _MOVED_BELOW + _WATER + '[terminal]\nkind = "motion"\n' + _HELD,
 }
 KINDS = tuple(SCENES)
-"""Every terminal, in water and in air, buoyancy by density and by volume."""
+"""Every terminal below a floater, in water and in air, buoyancy by density and by volume; then a floater that surges,
+and ends whose motion is given, the top and both."""
 
 
 def small_scene(kind: str) -> Scene:
     return Scene.from_text(SCENES[kind], name=kind)
+
+
+def pushed(names: Container[str], time: float, force: float) -> dict[str, float]:
+    """Inputs that move the top of any of these scenes: a force [N], or else a vessel that sets out from rest."""
+    if "u_m1" in names:
+        return {"u_m1": force}
+    acceleration = 1e-3 * force
+    return {"y_1": 0.5 * acceleration * time**2, "vy_1": acceleration * time, "ay_1": acceleration}
 
 
 def with_parameters(scene: Scene, **values: float) -> Scene:

@@ -33,9 +33,16 @@ void structure_divide(Instance *instance)
         for (size_t i = 0; i < n; i++) instance->link[column * n + i] = of_link[column];
 }
 
-static bool refuse_rest(Instance *instance, CatenaryStatus status)
+/* The lower port as seen from the upper one, where the inputs have them if their motion is given [m]. */
+static void lower_port(const Instance *instance, double place[2])
 {
-    const double *rest = instance->model.rest;
+    const Model *model = &instance->model;
+    const double *lower = model->terminal == TERMINAL_MOTION ? instance->u + U_x_2 : model->rest;
+    for (int k = 0; k < 2; k++) place[k] = lower[k] - (top_is_given(model) ? instance->u[U_x_1 + k] : 0.0);
+}
+
+static bool refuse_rest(Instance *instance, const double place[2], CatenaryStatus status)
+{
     Text text;
     text_start(&text);
     text_add(&text, "n = ");
@@ -45,7 +52,7 @@ static bool refuse_rest(Instance *instance, CatenaryStatus status)
         text_add(&text, "the cable has no weight (in water: it is as dense as the water)");
     } else {
         text_add(&text, "they are ");
-        text_number(&text, sqrt(rest[0] * rest[0] + rest[1] * rest[1]));
+        text_number(&text, sqrt(place[0] * place[0] + place[1] * place[1]));
         text_add(&text, " m apart, and the cable is ");
         text_number(&text, instance->whole[WHOLE_L]);
         text_add(&text, status == CATENARY_TOO_SHORT ? " m long; it must be longer"
@@ -88,10 +95,11 @@ bool structure_start(Instance *instance, double *states)
     if (model->terminal == TERMINAL_LOAD) return true;
 
     refresh_model(instance);
-    double pull[2];
-    const CatenaryStatus status = catenary(model->n, model->link[LINK_LENGTH], model->weight, model->rest,
+    double place[2], pull[2];
+    lower_port(instance, place);
+    const CatenaryStatus status = catenary(model->n, model->link[LINK_LENGTH], model->weight, place,
                                            is_straight ? instance->work.turning : states + 1, pull);
-    if (status != CATENARY_OK) return refuse_rest(instance, status);
+    if (status != CATENARY_OK) return refuse_rest(instance, place, status);
     preload(instance, pull);
     invalidate_model(instance);
     return true;

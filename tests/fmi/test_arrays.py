@@ -12,11 +12,11 @@ import pytest
 from fmpy import fmi3, read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 
-from cablefmu.cable import Floats
-from tests.fmu_helpers import KINDS, Host, from_equilibrium, small_scene, unpack, with_links
+from cablefmu.cable import Floats, Top
+from tests.fmu_helpers import KINDS, Host, from_equilibrium, pushed, small_scene, unpack, with_links
 
 Arrays = Callable[[str], Path]
-LOADS = ("air", "load", "load-volume")
+LOADS = ("air", "load", "load-volume", "moved")
 HELD = tuple(kind for kind in KINDS if kind not in LOADS)
 CASES = [(kind, n) for kind in KINDS for n in ((1, 2, 5, 9, 60) if kind in LOADS else (2, 5, 9, 60))]
 every = pytest.mark.parametrize(("kind", "n"), CASES)
@@ -35,11 +35,11 @@ def scalars(host: Host, array: str, n: int) -> list[float]:
 
 
 def run(host: Host, stop: float) -> Floats:
-    """All outputs, the solver's health among them, every 0.1 s under a force that follows its slope."""
-    host.initialize(u_m1=300.0)
+    """All outputs, the solver's health among them, every 0.1 s under a push that grows."""
+    host.initialize(**pushed(host.reference, 0.0, 300.0))
     rows = [host.get(*host.names("output"))]
     for k in range(round(stop / 0.1)):
-        host.set(u_m1=300.0 + 100.0 * k)
+        host.set_all(pushed(host.reference, 0.1 * k, 300.0 + 100.0 * k))
         host.step(k * 0.1, 0.1)
         rows.append(host.get(*host.names("output")))
     return np.array(rows)
@@ -67,25 +67,29 @@ def test_a_run_is_that_of_the_scene_with_as_many_links(
 def test_model_exchange_is_that_of_the_scene_with_as_many_links(
     kind: str, n: int, unpacked_arrays: Arrays, tmp_path: Path
 ) -> None:
-    other_folder = unpack(with_links(small_scene(kind), n), tmp_path, 3)
+    scene = with_links(small_scene(kind), n)
+    other_folder = unpack(scene, tmp_path, 3)
+    states, first = 2 * scene.cable.coordinates, 0 if scene.cable.top is Top.MOTION else 1
     with (
         Host(unpacked_arrays(kind), interface="me").configure(n) as host,
         Host(other_folder, interface="me") as other,
     ):
         for one in (host, other):
-            one.initialize(u_m1=300.0)
-            assert one.number_of_states() == 2 * (n + 1)
+            one.initialize(**pushed(one.reference, 0.0, 300.0))
+            assert one.number_of_states() == states
         np.testing.assert_array_equal(host.states(), other.states())
         np.testing.assert_array_equal(host.derivatives(), other.derivatives())
-        moved = other.states() + np.linspace(-0.3, 0.4, 2 * (n + 1))
+        moved = other.states() + np.linspace(-0.3, 0.4, states)
         for one in (host, other):
             one.set_states(moved)
         np.testing.assert_array_equal(host.derivatives(), other.derivatives())
-        heave, angles, rate, rates = np.split(moved, [1, n + 1, n + 2])
-        assert host.get("y_m1", "v_m1") == [*heave, *rate]
+        q, v = np.split(moved, 2)
+        (heave, angles, surge), (rate, rates, along) = (np.split(part, [first, first + n]) for part in (q, v))
+        tops = [name for name in ("y_m1", "x_m1", "v_m1", "vx_m1") if name in host.reference]
+        assert host.get(*tops) == [*heave, *surge, *rate, *along]
         assert (host.get_array("theta"), host.get_array("omega")) == (angles.tolist(), rates.tolist())
         assert host.get_array("der(theta)") == rates.tolist()
-        assert host.get_array("der(omega)") == host.derivatives()[n + 2 :].tolist()
+        assert host.get_array("der(omega)") == host.derivatives()[states // 2 + first :][:n].tolist()
 
 
 @pytest.mark.parametrize("n", [1, 60, 1000])
@@ -234,7 +238,7 @@ def test_setting_is_writing(kind: str, name: str, unpacked_arrays: Arrays, tmp_p
     ):
         (stiffness,) = other.get("k_joint")
         given = {name: value, "EI": stiffness * (value if name == "L" else 20.0) / 7}
-        if kind in LOADS:
+        if "static_load" in host.names("parameter"):
             given["static_load"] = other.get("static_load")[0]
         host.set_all(given)
         # EI / l and k l / l may differ in the last bit, and a run multiplies that.

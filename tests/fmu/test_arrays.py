@@ -15,14 +15,14 @@ from cablefmu.errors import OptionError
 from cablefmu.fmu.archive import build_fmu, default_path, open_fmu
 from cablefmu.fmu.resource import resource_bytes
 from cablefmu.fmu.table import table
-from cablefmu.fmu.variables import Kind, Variable, elements_of, variables_of
+from cablefmu.fmu.variables import STATE_OUTPUTS, Kind, Variable, elements_of, variables_of
 from cablefmu.whole import whole_of
 from tests.fmu_helpers import KINDS, Host, from_equilibrium, small_scene, unpack
 
 Arrays = Callable[[str], Path]
 every = pytest.mark.parametrize("kind", KINDS)
-LOADS = ("air", "load", "load-volume")
-HEADER = struct.Struct("<8sIIIIQIIIIIIII")
+LOADS = ("air", "load", "load-volume", "moved")
+HEADER = struct.Struct("<8sIIIIQIIIIIIIIII")
 
 
 @every
@@ -52,8 +52,12 @@ def test_arrays_stand_in_for_what_every_link_has(kind: str, unpacked_arrays: Arr
             assert [d.valueReference for d in variable.dimensions] == [n.valueReference]
             assert (variable.initial, variable.start, variable.shape) == ("calculated", None, (5,))
         derivatives = [u.variable for u in host.description.derivatives]
-        assert [v.derivative.name for v in derivatives] == ["y_m1", "theta", "v_m1", "omega"]
-        assert host.description.numberOfContinuousStates == 12
+        top = {"moved": 0, "between": 0, "surge": 2}.get(kind, 1)
+        heave, surge = ["y_m1"][:top], ["x_m1"][: top - 1 if top else 0]
+        half = [*heave, "theta", *surge]
+        rate = {"y_m1": "v_m1", "theta": "omega", "x_m1": "vx_m1"}
+        assert [v.derivative.name for v in derivatives] == [*half, *(rate[name] for name in half)]
+        assert host.description.numberOfContinuousStates == 2 * (5 + top)
         assert not [name for name in described if "[" in name]
 
 
@@ -131,7 +135,8 @@ def test_at_the_start_nothing_hangs_on_what_is_not_listed(kind: str, unpacked_ar
         sizes = {v.name: 5 if v.dimensions else 1 for v in host.description.modelVariables}
         values = lambda name: host.fmu.getFloat64([host.reference[name]], sizes[name])  # noqa: E731
         before = {name: values(name) for name in listed}
-        known = [n for n in [*host.names("parameter", "input"), "y_m1", "v_m1"] if n not in host.enumerations]
+        tops = [name for name in STATE_OUTPUTS if name in host.reference]
+        known = [n for n in [*host.names("parameter", "input"), *tops] if n not in host.enumerations]
         for name in known:
             (value,) = host.get(name)
             host.set_all({name: 1.01 * value + 0.01})
@@ -148,8 +153,8 @@ def test_layout_of_the_resource(kind: str) -> None:
     whole = whole_of(scene)
     variables = variables_of(scene.cable, (), whole)
     data = resource_bytes(scene.cable, variables, whole)
-    _, version, n, _, _, present, *counts, _, _, shape, numbers = HEADER.unpack_from(data)
-    assert (version, n, shape, numbers) == (3, 5, 1 if kind in LOADS else 2, len(rows.whole))
+    _, version, n, _, _, present, *counts, _, _, shape, numbers, _, _ = HEADER.unpack_from(data)
+    assert (version, n, shape, numbers) == (4, 5, 1 if kind in LOADS else 2, len(rows.whole))
     parameters = {v.name for v in variables if v.kind is Kind.PARAMETER}
     assert {name for name, row in rows.parameters.items() if present >> row.slot & 1} == parameters
     first = HEADER.size + 8 * (counts[0] + counts[1])
