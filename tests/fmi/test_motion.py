@@ -254,7 +254,7 @@ def test_the_vessel_inside_and_outside(tmp_path: Path) -> None:
 
 
 def floater_pull(cable: Cable, motion: Floats, forces: tuple[float, float]) -> Floats:
-    """What the cable does to the floater by the floater's own equation: M a, springs and dampers, less what else pulls."""
+    """What the cable does to the floater by the floater's own equation: M a, springs, dampers, less what else pulls."""
     p = cable.parameters
     static, stiffness, damping = ("static_pull", "static_load"), ("k_m1H", "k_m1"), ("c_m1H", "c_m1")
     return np.array([

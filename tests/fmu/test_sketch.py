@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from cablefmu.cable import Cable, Floats, Links, Terminal
+from cablefmu.cable import Cable, Floats, Links, Terminal, Top
 from cablefmu.fmu.sketch import sketch
 from tests.fmu_helpers import KINDS, small_scene
 
@@ -40,7 +40,9 @@ def longer(cable: Cable, n: int) -> Cable:
     """As many links of the same length, winding down."""
     same = {name: np.full(n, getattr(cable.links, name)[0]) for name in Links.__dataclass_fields__}
     angles = 0.5 + 0.4 * np.sin(np.linspace(0.0, 20.0, n))
-    return replace(cable, links=Links(**same), position=np.concatenate([[0.0], angles]), velocity=np.zeros(n + 1))
+    before = 0 if cable.top is Top.MOTION else 1
+    position = np.concatenate([cable.position[:before], angles, cable.position[before + cable.n :]])
+    return replace(cable, links=Links(**same), position=position, velocity=np.zeros(len(position)))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -49,7 +51,7 @@ def test_the_cable_is_to_scale(kind: str) -> None:
     svg = drawn(cable)
     points = line(svg)
     assert len(points) == cable.n + 1
-    angles = cable.position[1:]
+    angles = cable.angles_in(cable.position)
     along = cable.links.length[:, None] * np.column_stack([np.sin(angles), np.cos(angles)])
     # Points are rounded to 0.1 px, the length of the bar as well.
     np.testing.assert_allclose(np.diff(points, axis=0) / pixels_per_metre(svg), along, atol=0.02)
@@ -67,11 +69,16 @@ def test_everything_is_inside_the_frame(kind: str) -> None:
 
 def test_ends_are_named() -> None:
     named = {kind: [text for text in texts(drawn(small_scene(kind).cable)) if "m" in text][:-1] for kind in KINDS}
-    assert all("floater 1" in texts(drawn(small_scene(kind).cable)) for kind in KINDS)
+    for kind in KINDS:
+        top = "vessel 1" if kind in ("moved", "between") else "floater 1"
+        assert top in texts(drawn(small_scene(kind).cable))
     assert named["pin"] == ["pin (12, 13) m"]
     assert named["anchor-mass"] == named["anchor-spring"] == ["anchor (12, 13) m"]
     assert named["floater"] == ["(12, 13) m"]
     assert named["load"] == ["load (9.589, 17.55) m"]
+    assert named["moved"] == ["load (9.789, 17.55) m"], "x_1 starts at 0.2 m"
+    assert named["between"] == ["(12, 12.9) m"]
+    assert "vessel 2" in texts(drawn(small_scene("between").cable))
 
 
 def test_what_is_zero_but_for_rounding_is_zero() -> None:

@@ -27,6 +27,16 @@ ASSETS = Path(__file__).parents[2] / "models" / "cablefmu" / "fmu" / "assets"
 FLOATER_1 = {"F_y": ("u_m1", "inflow"), "y": ("y_m1", "signal"), "vy": ("v_m1", "signal")}
 MOTION = {name: (f"{name}_c", "signal") for name in ("x", "y", "vx", "vy")}
 LOAD = {"F_x": ("F_cx", "signal"), "F_y": ("F_cy", "signal"), **MOTION}
+
+
+def vessel(end: int) -> dict[str, tuple[str, str]]:
+    """Of an end whose motion is given: everything, and the force on the vessel."""
+    members = ("x", "y", "vx", "vy", "ax", "ay", "F_x", "F_y")
+    return {
+        member: (member.replace("_", f"_{end}") if "_" in member else f"{member}_{end}", "signal") for member in members
+    }
+
+
 PORTS: dict[str, dict[str, dict[str, tuple[str, str]]]] = {
     "air": {"floater_1": FLOATER_1, "load": LOAD},
     "load": {"floater_1": FLOATER_1, "load": LOAD},
@@ -38,6 +48,18 @@ PORTS: dict[str, dict[str, dict[str, tuple[str, str]]]] = {
         "floater_1": FLOATER_1,
         "floater_2": {"F_x": ("F_cx", "signal"), "F_y": ("u_m2", "signal"), **MOTION},
     },
+    "surge": {
+        "floater_1": {
+            "F_x": ("u_m1x", "signal"),
+            "F_y": ("u_m1", "signal"),
+            "x": ("x_m1", "signal"),
+            "y": ("y_m1", "signal"),
+            "vx": ("vx_m1", "signal"),
+            "vy": ("v_m1", "signal"),
+        },
+    },
+    "moved": {"vessel_1": vessel(1), "load": LOAD},
+    "between": {"vessel_1": vessel(1), "vessel_2": vessel(2)},
 }
 """Terminal -> member -> variable and kind, of every small scene. A pair of forces is two signals."""
 
@@ -99,6 +121,13 @@ def test_dropped_outputs_leave_their_members_out() -> None:
     cable = small_scene("load").cable
     ports = ports_of(cable, variables_of(cable, ("y_m1", "x_c", "vy_c")))
     assert [port.motion for port in ports] == [{"v_m1": "vy"}, {"y_c": "y", "vx_c": "vx"}]
+
+
+def test_what_a_vessel_takes_is_no_inflow_of_the_cable() -> None:
+    """A single one neither: it is what the cable gives, and FMI's inflows are what a component takes."""
+    cable = small_scene("moved").cable
+    port = ports_of(cable, variables_of(cable, ("F_1x",)))[0]
+    assert (port.forces, port.kind_of_forces) == ({"F_1y": "F_y"}, "signal")
 
 
 def test_a_port_with_nothing_is_left_out() -> None:

@@ -51,8 +51,9 @@ class Port:
 
     @property
     def kind_of_forces(self) -> str:
-        """A single force adds up like a current. FMI leaves vectors out of that convention: a pair is two signals."""
-        return "inflow" if len(self.forces) == 1 else "signal"
+        """A single force that enters adds up like a current. FMI leaves vectors out of that convention: a pair is two
+        signals, and so is what goes out to a vessel."""
+        return "inflow" if len(self.forces) == 1 and not self.name.startswith("vessel") else "signal"
 
 
 def ports_of(cable: Cable, variables: Sequence[Variable]) -> list[Port]:
