@@ -24,6 +24,7 @@ __all__ = [
     "SCENES",
     "Host",
     "from_equilibrium",
+    "levered",
     "pushed",
     "small_scene",
     "unpack",
@@ -100,6 +101,13 @@ def pushed(names: Container[str], time: float, force: float) -> dict[str, float]
         return {"u_m1": force}
     acceleration = 1e-3 * force
     return {"y_1": 0.5 * acceleration * time**2, "vy_1": acceleration * time, "ay_1": acceleration}
+
+
+def levered(names: Container[str], values: Mapping[str, float]) -> dict[str, float]:
+    """The same values for a top without a floater: of a force on that [N] a thousandth is its acceleration [m/s^2]."""
+    if "u_m1" in names or "u_m1" not in values:
+        return dict(values)
+    return {name: value for name, value in values.items() if name != "u_m1"} | {"ay_1": 1e-3 * values["u_m1"]}
 
 
 def with_parameters(scene: Scene, **values: float) -> Scene:

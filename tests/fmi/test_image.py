@@ -101,7 +101,7 @@ def test_noise_is_refused(fmi: int, unpacked: Unpacked) -> None:
 
 WRONG = {
     "magic": (b"CABLESTB", "it is not a state of a cable"),
-    "format": (2, "its format is 2; expected is 1"),
+    "format": (1, "its format is 1; expected is 2"),
     "layout": (7, "its layout is 7; expected is "),
     "version": (b"0.0.9".ljust(16, b"\0"), f"its library's version is 0.0.9; expected is {__version__}"),
     "token": (b"{0}".ljust(40, b"\0"), "it is of another cable, whose token is {0}; expected is {"),

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import Unpacked
-from tests.fmu_helpers import KINDS, Host, small_scene, unpack
+from tests.fmu_helpers import KINDS, Host, levered, small_scene, unpack
 
 ROOT = Path(__file__).parents[2]
 both = pytest.mark.parametrize("fmi", [2, 3])
@@ -35,7 +35,7 @@ STIFF = SOFT | {"k_joint": 3e3, "c_joint": 3e3}
 def start(host: Host, solver: int, values: Mapping[str, float]) -> Host:
     """With another tolerance than a fresh instance has."""
     host.set_choices(("solver", solver))
-    host.set_all(values)
+    host.set_all(levered(host.reference, values))
     host.enter_initialization(tolerance=1e-5)
     host.fmu.exitInitializationMode()
     return host
@@ -54,9 +54,10 @@ def slope(host: Host, name: str, value: float) -> None:
 def step(host: Host, k: int) -> None:
     """Inputs that rest, jump, and in FMI 2 run along a slope; a force on the terminal begins without a jump."""
     if 8 <= k < 16:
-        host.set(u_m1=100.0 * (k * 7 % 11 - 5))
+        host.set_all(levered(host.reference, {"u_m1": 100.0 * (k * 7 % 11 - 5)}))
     if host.fmi == 2 and 10 <= k < 12:
-        slope(host, "u_m1", 50.0)
+        for name, value in levered(host.reference, {"u_m1": 50.0}).items():
+            slope(host, name, value)
     if host.fmi == 2 and 13 <= k < 15 and "F_cx" in host.reference:
         slope(host, "F_cx", 300.0)
     host.step(k * STEP, STEP)

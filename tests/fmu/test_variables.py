@@ -10,7 +10,7 @@ from cablefmu import scene_schema
 from cablefmu.cable import SolverChoice
 from cablefmu.fmu.table import table
 from cablefmu.fmu.units import UNITS
-from cablefmu.fmu.variables import Kind, variables_of
+from cablefmu.fmu.variables import STATE_OUTPUTS, Kind, variables_of
 from tests.fmu_helpers import KINDS, from_equilibrium, small_scene
 
 FORCES = {
@@ -21,8 +21,12 @@ FORCES = {
     "anchor-spring": ["u_m1"],
     "pin": ["u_m1"],
     "floater": ["u_m1", "u_m2", "F_cx"],
+    "surge": ["u_m1", "u_m1x"],
+    "moved": ["F_cx", "F_cy", "x_1", "y_1", "vx_1", "vy_1", "ax_1", "ay_1"],
+    "between": [f"{kind}{axis}_{end}" for end in (1, 2) for kind in ("", "v", "a") for axis in "xy"],
 }
-COMMON = {"g", "M_1", "k_m1", "c_m1", "static_load", "k_joint", "c_joint"}
+COMMON = {"g", "k_joint", "c_joint"}
+FLOATER = {"M_1", "k_m1", "c_m1", "static_load"}
 SPRING = {"static_load_2", "static_pull_2"}
 PARAMETERS = {
     "air": {"m_c", "I_Rc"},
@@ -32,8 +36,15 @@ PARAMETERS = {
     "anchor-spring": {"rho_w", "Cd", "m_c", "rho_c", "k_cH", "c_cH", "k_cV", "c_cV", *SPRING},
     "pin": {"rho_w", "Cd"},
     "floater": {"rho_w", "Cd", "M_2", "k_m2H", "c_m2H", "k_m2V", "c_m2V", *SPRING},
+    "surge": {"rho_w", "Cd", "k_m1H", "c_m1H", "static_pull"},
+    "moved": {"rho_w", "Cd", "m_c", "I_Rc", "rho_c"},
+    "between": {"rho_w", "Cd"},
 }
-OUTPUTS = ["y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c", "tension_top", "tension_end", "tension_max", "energy"]
+OUTPUTS = ["x_c", "y_c", "vx_c", "vy_c", "tension_top", "tension_end", "tension_max", "energy"]
+TOP = {
+    "surge": ["y_m1", "v_m1", "x_m1", "vx_m1"], "moved": ["F_1x", "F_1y"], "between": ["F_1x", "F_1y", "F_2x", "F_2y"],
+}  # fmt: skip
+"""Outputs of the ends, where these are not y_m1 and v_m1."""
 HEALTH = {
     "solver.steps": "1", "solver.rejected": "1", "solver.rhs": "1", "solver.jacobians": "1", "solver.step_size": "s",
     "solver.stiff": "1", "solver.error_estimate": "1", "solver.energy_residual": "J",
@@ -48,8 +59,9 @@ def names(kind: str, causality: str, dropped: tuple[str, ...] = ()) -> list[str]
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_scene_has_its_own_variables_and_no_other(kind: str) -> None:
     assert names(kind, "input") == FORCES[kind]
-    assert set(names(kind, "parameter")) == {"solver"} | COMMON | PARAMETERS[kind]
-    assert set(names(kind, "output")) == {*OUTPUTS, *HEALTH}
+    floater = FLOATER if kind not in ("moved", "between") else set()
+    assert set(names(kind, "parameter")) == {"solver"} | COMMON | floater | PARAMETERS[kind]
+    assert set(names(kind, "output")) == {*OUTPUTS, *TOP.get(kind, ("y_m1", "v_m1")), *HEALTH}
     assert names(kind, "independent") == ["time"]
 
 
@@ -61,18 +73,26 @@ def test_states_are_heave_and_angles_then_their_rates() -> None:
     assert [v.name for v in variables if v.kind is Kind.DERIVATIVE] == [f"der({name})" for name in states]
 
 
+def test_the_surge_stands_behind_the_angles() -> None:
+    states = [v.name for v in variables_of(small_scene("surge").cable) if v.kind is Kind.STATE]
+    links = range(1, 6)
+    q, v = ["y_m1", *(f"theta[{i}]" for i in links), "x_m1"], ["v_m1", *(f"omega[{i}]" for i in links), "vx_m1"]
+    assert states == [*q, *v]
+
+
 def test_value_references_are_places_in_the_list() -> None:
     variables = variables_of(small_scene("floater").cable)
     assert [v.reference for v in variables] == list(range(len(variables)))
     assert len({v.name for v in variables}) == len(variables)
 
 
+@pytest.mark.parametrize("kind", ["load", "surge", "between"])
 @pytest.mark.parametrize("name", scene_schema.OUTPUTS)
-def test_any_output_can_be_dropped(name: str) -> None:
+def test_any_output_can_be_dropped(name: str, kind: str) -> None:
     """A dropped state stays, as a local variable; everything else goes."""
-    whole, rest = names("load", "output"), names("load", "output", (name,))
+    whole, rest = names(kind, "output"), names(kind, "output", (name,))
     assert rest == [other for other in whole if other != name]
-    assert (name in names("load", "local", (name,))) == (name in ("y_m1", "v_m1"))
+    assert (name in names(kind, "local", (name,))) == (name in whole and name in STATE_OUTPUTS)
 
 
 @pytest.mark.parametrize("kind", KINDS)

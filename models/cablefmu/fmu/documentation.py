@@ -169,6 +169,11 @@ _TOP_WORDS = {
     Top.FREE: "a floater that heaves and surges, see the parameters",
     Top.MOTION: "a vessel whose motion is an input",
 }
+_TOP_LIMITS = {
+    Top.FLOATER: ("Floater 1 only heaves; its spring and its damper are linear.",),
+    Top.FREE: ("Floater 1 heaves and surges, and does not turn; its springs and its dampers are linear.",),
+    Top.MOTION: ("The vessel at the top moves as it is told: what the cable does to it is for others to reckon with.",),
+}
 _END_WORDS = {
     Terminal.LOAD: "a load",
     Terminal.ANCHOR_MASS: "an anchor of mass, neutrally buoyant",
@@ -194,6 +199,12 @@ def _driving(scene: Scene, variables: Sequence[Variable], file: str, given: str)
     yield f'<pre><code class="language-python">{escape(_snippet(scene, variables, file))}</code></pre>'
     if given:
         yield f"<p>In Co-Simulation an input is held over a communication step unless the host gives {given}.</p>"
+        if _motions(scene.cable):
+            yield (
+                "<p>Of a motion the host sets place, velocity and acceleration. Inside the step the place follows the"
+                " velocity, and that the acceleration, unless the host says otherwise: from three that are held, a"
+                " velocity that goes linearly with time and a place that goes with its square.</p>"
+            )
     driven = [name for name in scene.cable.inputs if scene.signals[name] != Constant(0.0)]
     if driven:
         yield (
@@ -216,23 +227,44 @@ def _given(fmi: int) -> str:
     return "it in the middle of the step as well (intermediate update)"
 
 
+def _motions(cable: Cable) -> list[str]:
+    """Places that are inputs: x_1, y_1, x_2, y_2 as far as there are any."""
+    return [name for name in cable.inputs if name in ("x_1", "y_1", "x_2", "y_2")]
+
+
+def _driven(cable: Cable) -> str:
+    """An array of inputs over time: a force that sets in, or a vessel that goes to and fro beside one that does not."""
+    places = _motions(cable)
+    if not places:
+        return f"""\
+columns = [("time", float), ("{cable.inputs[0]}", float)]  # s, N
+driven = np.array([(0, 0), (1, 1000), (5, 1000)], dtype=columns)
+"""
+    names = ", ".join(f'"{kind}{place}"' for place in places for kind in ("", "v", "a"))
+    first, *others = ((place, cable.input_start.get(place, 0.0)) for place in places)
+    resting = "".join(f'driven["{place}"] = {start:.12g}\n' for place, start in others if start)
+    return f"""\
+t = np.linspace(0, 10, 101)  # s
+driven = np.zeros(len(t), dtype=[(name, float) for name in ("time", {names})])
+driven["time"] = t
+driven["{first[0]}"] = {first[1]:.12g} + 1 - np.cos(t)  # m
+driven["v{first[0]}"] = np.sin(t)  # m/s
+driven["a{first[0]}"] = np.cos(t)  # m/s2
+{resting}"""
+
+
 def _snippet(scene: Scene, variables: Sequence[Variable], file: str) -> str:
-    first = scene.cable.inputs[0]
     outputs = [variable.name for variable in variables if variable.causality == "output"][:4]
-    unit = next(variable.unit for variable in variables if variable.name == first)
-    what, most = ("force", 1000) if unit == "N" else ("motion", 1)
     return f"""\
 import numpy as np
 from fmpy import simulate_fmu
 
-columns = [("time", float), ("{first}", float)]  # s, {unit}
-{what} = np.array([(0, 0), (1, {most}), (5, {most})], dtype=columns)
-result = simulate_fmu(
+{_driven(scene.cable)}result = simulate_fmu(
     "{file}",
     stop_time={scene.stop_time:g},
     output_interval={scene.step:g},
     start_values={{"g": {scene.cable.parameters["g"]!r}}},  # any parameter
-    input={what},
+    input=driven,
     output={outputs!r},
 )
 print(result.dtype.names, result[-1])
@@ -361,7 +393,7 @@ def _model_limits(cable: Cable, variables: Sequence[Variable]) -> Iterator[str]:
     else:
         yield "Nothing around the cable acts on it: its motion is that in a vacuum."
     yield "Nothing stops the cable at a ground or a seabed."
-    yield "Floater 1 only heaves; its spring and its damper are linear."
+    yield from _TOP_LIMITS[cable.top]
     if cable.terminal is Terminal.FLOATER:
         yield "The springs and dampers of floater 2 are linear, and it does not turn."
     if cable.terminal is Terminal.LOAD and cable.in_water:
@@ -370,10 +402,11 @@ def _model_limits(cable: Cable, variables: Sequence[Variable]) -> Iterator[str]:
         yield "The number of links `n` is 1 to 10,000, and cannot change during a run; links are all alike."
     else:
         yield f"The number of links is fixed: {cable.n} here, 1 to 10,000 in other scenes."
-    if any(variable.kind is Kind.PRELOAD and variable.name == "static_load" for variable in variables):
-        yield "`static_load` is worked out at the start, for the rest shape of the cable as its parameters have it."
-    else:
-        yield "`static_load` is worked out when the FMU is built, and does not follow when other parameters change."
+    for name, kind in ((v.name, v.kind) for v in variables if v.name in ("static_load", "static_pull")):
+        if kind is Kind.PRELOAD:
+            yield f"`{name}` is worked out at the start, for the rest shape of the cable as its parameters have it."
+        else:
+            yield f"`{name}` is worked out when the FMU is built, and does not follow when other parameters change."
     yield "Inputs, parameters and states that are not finite are refused, and so are masses and densities below zero."
 
 

@@ -23,6 +23,8 @@ _OF_PORT = ("F_{}x", "F_{}y", "m_{}xx", "m_{}xy", "m_{}yy")
 PORT_OUTPUTS = {end: tuple(name.format(end) for name in _OF_PORT) for end in (1, 2)}
 """What the cable does to the vessel at either end, and the mass of it that the vessel feels."""
 
+_SPRUNG = (Terminal.ANCHOR_SPRING, Terminal.FLOATER)
+
 FRAME = "x right, y down"
 """Every variable with a direction says so."""
 
@@ -301,12 +303,14 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         return tuple(place_of[name] for name in names if name in place_of)
 
     x, y, vx, vy = of_top("x_m1", "x_1"), of_top("y_m1", "y_1"), of_top("vx_m1", "vx_1"), of_top("v_m1", "vy_1")
+    # Sideways a vessel takes the cable along, but not what springs hold its other end to.
+    stretched = x if cable.top is not Top.MOTION or cable.terminal in _SPRUNG else ()
     depends_on: dict[str, tuple[int, ...] | None] = {
         "x_c": x + angles,
         "y_c": y + angles,
         "vx_c": angles + vx + rates,
         "vy_c": angles + vy + rates,
-        "energy": x + y + angles + vx + vy + rates,
+        "energy": stretched + y + angles + vx + vy + rates,
         **{name: angles for names in PORT_OUTPUTS.values() for name in names if name.startswith("m_")},
     }
     absent = {*STATE_OUTPUTS, *(PORT_OUTPUTS[1] if cable.top is not Top.MOTION else ())}
