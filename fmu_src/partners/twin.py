@@ -4,7 +4,8 @@ It shares the scene, the names and the value references with the native FMU, and
 dissertation's matrices [3.8] under scipy's DOP853, in the Python of the host, which must have the same
 version of `cablefmu` installed. It is for checking, not for work: each right-hand side is O(n^3).
 
-Inputs are held over a communication step, as pythonfmu passes no input derivatives on. Whatever raises here
+Forces are held over a communication step, as pythonfmu passes no input derivatives on, and so is the acceleration of
+a motion that is given; velocity and place follow it. Whatever raises here
 is fatal for the instance (pythonfmu knows no milder refusal); a step that cannot be done is discarded.
 SI, x right, y down. Built by `cablefmu.build_twin`.
 """
@@ -31,9 +32,21 @@ from cablefmu.fmu.table import table
 from cablefmu.fmu.twin import scene_of_twin, twin_variables
 from cablefmu.fmu.variables import Kind, Variable
 from cablefmu.reference import Reference, integrate
+from cablefmu.scene_inputs import FOLLOWING
 
 # As the native FMU bounds what a host asks for.
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 0.1
+
+
+def inputs_ahead(held: dict[str, float], ahead: float) -> dict[str, float]:
+    """Inputs so many seconds after they were set: of a motion with its acceleration held, x = x + v t + a t^2/2."""
+    moved = dict(held)
+    for acceleration, (place, order) in FOLLOWING.items():
+        if order == 2 and acceleration in held:
+            a, v = held[acceleration], held[f"v{place}"]
+            moved[f"v{place}"] = v + a * ahead
+            moved[place] = held[place] + (v + 0.5 * a * ahead) * ahead
+    return moved
 
 
 class Twin(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
@@ -46,7 +59,8 @@ class Twin(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self.cable = scene.cable
         self.parameters = dict(scene.cable.parameters)
         self.inputs = {name: scene.cable.input_start.get(name, 0.0) for name in scene.cable.inputs}
-        self.state = np.concatenate([scene.cable.position, scene.cable.velocity])
+        # With the heave's place also where there is none: indices of variables count it.
+        self.state = self.cable.padded(np.concatenate([scene.cable.position, scene.cable.velocity]))
         self.tolerance = scene.tolerance
         self.initialised = False
         self.known: tuple[Floats, dict[str, float]] | None = None
@@ -77,11 +91,15 @@ class Twin(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             return False
         try:
             with np.errstate(all="ignore"):  # what is not finite is refused
-                motion = integrate(self.model(), lambda _: held, span, rtol=self.tolerance, atol=self.tolerance)
+                motion = integrate(
+                    self.model(), lambda t: inputs_ahead(held, t - current_time), span,
+                    rtol=self.tolerance, atol=self.tolerance,
+                )  # fmt: skip
         except (CableError, ArithmeticError, np.linalg.LinAlgError, ValueError) as error:
             self.log(f"doStep at t = {current_time:g} s: {error}", Fmi2Status.error)
             return False
-        self.state = np.concatenate([motion.q[-1], motion.v[-1]])
+        self.state = self.cable.padded(np.concatenate([motion.q[-1], motion.v[-1]]))
+        self.inputs = inputs_ahead(held, step_size)
         self.known = None
         return True
 
@@ -110,7 +128,7 @@ class Twin(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     def model(self) -> Reference:
         """The reference model of the cable as it is now, starting in the present state."""
-        q, v = np.split(self.state, 2)
+        q, v = np.split(self.cable.unpadded(self.state), 2)
         return Reference(replace(self.cable, parameters=self.parameters, position=q, velocity=v))
 
     def derivative_and_outputs(self) -> tuple[Floats, dict[str, float]]:
@@ -119,7 +137,7 @@ class Twin(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             model = self.model()
             q, v = model.cable.position, model.cable.velocity
             with np.errstate(all="ignore"):  # what is not finite is refused below
-                rates = np.concatenate([v, model.acceleration(q, v, self.inputs)])
+                rates = self.cable.padded(np.concatenate([v, model.acceleration(q, v, self.inputs)]))
                 outputs = model.outputs(q, v, self.inputs)
             if not (np.all(np.isfinite(rates)) and np.all(np.isfinite(list(outputs.values())))):
                 raise FloatingPointError("an output is not a finite number; the motion is too violent")

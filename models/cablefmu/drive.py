@@ -192,8 +192,8 @@ class Fmi2CoSimulation(_Fmi2):
             time = reach
 
     def _hold(self, time: float, end: float) -> None:
-        """One step under the forces in its middle: an error of second order in the step."""
-        self.set_inputs(self.feed.values(0.5 * (time + end)))
+        """One step under the forces and accelerations in its middle: an error of second order in the step."""
+        self.set_inputs(self.feed.values_to_hold(time, end))
         self._call("fmi2DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=end - time)
         self.set_inputs(self.feed.values_before(end, end))
 

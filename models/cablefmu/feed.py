@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from .scene_inputs import FOLLOWING
 from .signals import Constant, Signal
 
 __all__ = ["ORDERS", "Feed"]
@@ -23,6 +24,12 @@ _EXACT = 1e-12
 
 _ROUNDING = 8.0
 """Late in a run a force is known only as well as its time: to so many units in the last place of it."""
+
+_FOLLOWED = {
+    *(place for place, _ in FOLLOWING.values()),
+    *(name for name, (_, order) in FOLLOWING.items() if order == 1),
+}
+"""Places and velocities, which follow what is held."""
 
 _SHORTEST = 2.0**-20
 """Smallest part of a step; a force that needs smaller ones is beyond every solver's patience."""
@@ -46,6 +53,11 @@ class Feed:
     def values(self, time: float) -> list[float]:
         """Forces at `time`, after a jump [N]."""
         return [signal(time) for signal in self.signals.values()]
+
+    def values_to_hold(self, time: float, end: float) -> list[float]:
+        """For a step in which nothing but acceleration is held: that, and forces, as they are in its middle."""
+        middle = 0.5 * (time + end)
+        return [signal(time if name in _FOLLOWED else middle) for name, signal in self.signals.items()]
 
     def values_before(self, time: float, limit: float) -> list[float]:
         """Forces at `time` or, from `limit` on, just before `limit`, where they jump [N]."""
