@@ -15,7 +15,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cable", "Drag", "Floats", "Initial", "Links", "SolverChoice", "Terminal", "Top", "Whole"]
+__all__ = ["PORT_OUTPUTS", "Cable", "Drag", "Floats", "Initial", "Links", "SolverChoice", "Terminal", "Top", "Whole"]
 
 Floats = NDArray[np.float64]
 
@@ -75,6 +75,12 @@ class Initial(StrEnum):
     """The start shape as it stands."""
     EQUILIBRIUM = "equilibrium"
     """The stable equilibrium under the inputs of the start, found from the start shape at initialisation."""
+
+
+_HEAVE, _SURGE = ("y_m1", "v_m1"), ("x_m1", "vx_m1")
+_OF_PORT = ("F_{}x", "F_{}y", "m_{}xx", "m_{}xy", "m_{}yy")
+PORT_OUTPUTS = {end: tuple(name.format(end) for name in _OF_PORT) for end in (1, 2)}
+"""What the cable does to the vessel at either end, and the mass of it that the vessel feels."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,6 +174,16 @@ class Cable:
     def coordinates(self) -> int:
         """Number of coordinates in q: the angles, and what a floater at the top adds."""
         return self.n + {Top.FLOATER: 1, Top.FREE: 2, Top.MOTION: 0}[self.top]
+
+    @property
+    def absent_outputs(self) -> frozenset[str]:
+        """Names of the outputs that such a cable does not have, whatever its scene drops."""
+        of_top = {
+            Top.FLOATER: (*_SURGE, *PORT_OUTPUTS[1]),
+            Top.FREE: PORT_OUTPUTS[1],
+            Top.MOTION: (*_HEAVE, *_SURGE),
+        }[self.top]
+        return frozenset((*of_top, *(PORT_OUTPUTS[2] if self.terminal is not Terminal.MOTION else ())))
 
     def angles_in(self, q: Floats) -> Floats:
         """The link angles of such a vector, shape (n,) [rad]."""

@@ -175,7 +175,7 @@ class KernelModel:
         return self.cable.unpadded(derivative)
 
     def outputs(self, x: Floats, forces: Floats) -> dict[str, float]:
-        """Evaluate every output by its FMI name, for x and `forces` as `derivatives` takes them.
+        """Evaluate every output that such a cable has by its FMI name, for x and `forces` as `derivatives` takes them.
 
         Raises
         ------
@@ -187,7 +187,8 @@ class KernelModel:
             raise OptionError(f"x: {2 * self.cable.coordinates} finite numbers are expected")
         if not self._library.kernel_outputs(self._handle, self._padded(x), forces, values):
             raise OptionError(_WOUND_UP)
-        return dict(zip(table().outputs, values.tolist(), strict=True))
+        every = zip(table().outputs, values.tolist(), strict=True)
+        return {name: value for name, value in every if name not in self.cable.absent_outputs}
 
     def equilibrium(self, q: ArrayLike, inputs: Mapping[str, float]) -> Search:
         """Search for a stable equilibrium near `q` under inputs by name [N].

@@ -237,7 +237,7 @@ class Kernel:
         derivative, change, output = np.empty_like(x), np.empty_like(x), np.full(len(table().outputs), np.nan)
         if not self._library.probe_directional(self._handle, x, u, dx, du, derivative, change, output):
             return None
-        return self.cable.unpadded(change), dict(zip(table().outputs, output.tolist(), strict=True))
+        return self.cable.unpadded(change), self._named(output)
 
     def adjoint(
         self, x: Floats, u: Floats, seed: Floats, output_seed: Mapping[str, float]
@@ -346,7 +346,12 @@ class Kernel:
     def _outputs(self, x: Floats, u: Floats, derivative: int | None) -> dict[str, float]:
         output = np.full(len(table().outputs), np.nan)
         self._library.probe_outputs(self._handle, self.padded(x), u, derivative, output)
-        return dict(zip(table().outputs, output.tolist(), strict=True))
+        return self._named(output)
+
+    def _named(self, output: Floats) -> dict[str, float]:
+        """Those that such a cable has."""
+        every = zip(table().outputs, output.tolist(), strict=True)
+        return {name: value for name, value in every if name not in self.cable.absent_outputs}
 
 
 def _signals(waves: Mapping[str, Wave]) -> Floats:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
-from ..cable import Cable, Initial, SolverChoice, Terminal, Top, Whole
+from ..cable import PORT_OUTPUTS, Cable, Initial, SolverChoice, Terminal, Top, Whole
 from ..scene_schema import MAX_LINKS
 from .table import table
 
@@ -19,9 +19,6 @@ __all__ = ["ENUMERATIONS", "STATE_OUTPUTS", "Enumeration", "Item", "Kind", "Vari
 STATE_OUTPUTS = ("y_m1", "v_m1", "x_m1", "vx_m1")
 """Outputs that are states themselves: floater 1's displacement and velocity."""
 
-_OF_PORT = ("F_{}x", "F_{}y", "m_{}xx", "m_{}xy", "m_{}yy")
-PORT_OUTPUTS = {end: tuple(name.format(end) for name in _OF_PORT) for end in (1, 2)}
-"""What the cable does to the vessel at either end, and the mass of it that the vessel feels."""
 
 _SPRUNG = (Terminal.ANCHOR_SPRING, Terminal.FLOATER)
 
@@ -313,10 +310,8 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         "energy": stretched + y + angles + vx + vy + rates,
         **{name: angles for names in PORT_OUTPUTS.values() for name in names if name.startswith("m_")},
     }
-    absent = {*STATE_OUTPUTS, *(PORT_OUTPUTS[1] if cable.top is not Top.MOTION else ())}
-    absent |= set(PORT_OUTPUTS[2] if cable.terminal is not Terminal.MOTION else ())
     for name, row in table().outputs.items():
-        if name in dropped or name in absent:
+        if name in dropped or name in STATE_OUTPUTS or name in cable.absent_outputs:
             continue
         listing.add(
             name, Kind.OUTPUT, row.slot, row.unit, f"{row.description}; {FRAME}", causality="output",
