@@ -304,6 +304,7 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
 
     x, y, vx, vy = of_top("x_m1", "x_1"), of_top("y_m1", "y_1"), of_top("vx_m1", "vx_1"), of_top("v_m1", "vy_1")
     # Sideways a vessel takes the cable along, but not what springs hold its other end to.
+    masses = {name for names in PORT_OUTPUTS.values() for name in names if name.startswith("m_")}
     stretched = x if cable.top is not Top.MOTION or cable.terminal in _SPRUNG else ()
     depends_on: dict[str, tuple[int, ...] | None] = {
         "x_c": x + angles,
@@ -311,7 +312,7 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         "vx_c": angles + vx + rates,
         "vy_c": angles + vy + rates,
         "energy": stretched + y + angles + vx + vy + rates,
-        **{name: angles for names in PORT_OUTPUTS.values() for name in names if name.startswith("m_")},
+        **dict.fromkeys(masses, angles),
     }
     absent = {*STATE_OUTPUTS, *(PORT_OUTPUTS[1] if cable.top is not Top.MOTION else ())}
     absent |= set(PORT_OUTPUTS[2] if cable.terminal is not Terminal.MOTION else ())
@@ -321,7 +322,7 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         listing.add(
             name, Kind.OUTPUT, row.slot, row.unit, f"{row.description}; {FRAME}", causality="output",
             variability="continuous", initial="calculated", nominal=row.nominal, depends_on=depends_on.get(name),
-            on_all_at_start=name == "energy" or begin.on_all,
+            on_all_at_start=name in masses | {"energy"} or begin.on_all,
         )  # fmt: skip
 
 
