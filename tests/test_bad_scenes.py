@@ -54,6 +54,7 @@ stop_time = 10
 CSV = {
     "waves.csv": b"0,1\n1,2\n",
     "back.csv": b"0,1\n0,2\n",
+    "one.csv": b"0,1\n",
     "words.csv": b"t,F\n0,nan\n",
     "bytes.csv": b"\xff",
 }
@@ -176,9 +177,13 @@ BAD: list[tuple[str, str, tuple[str, ...]]] = [
         "",
         ("shape.kind: this key is missing; allowed: straight, angles, hanging, catenary",),
     ),
-    ('kind = "floater"', 'kind = "boat"', ('top.kind = "boat": allowed: floater',)),
+    ('kind = "floater"', 'kind = "boat"', ('top.kind = "boat": allowed: floater, motion',)),
     ('signal = "sine"', 'signal = "cosine"', ('inputs.u_m1.signal = "cosine": the nearest is "sine"',)),
-    ("u_m1 = {", "F_cx = {", ("inputs.F_cx", 'a scene with terminal "anchor-spring" has the inputs u_m1')),
+    (
+        "u_m1 = {",
+        "F_cx = {",
+        ("inputs.F_cx", 'a scene with top "floater" and terminal "anchor-spring" has the inputs u_m1'),
+    ),
     # (an integer that Python itself refuses to print)
     ('signal = "sine"', "signal = 0x" + "f" * 6000, ("inputs.u_m1.signal = Infinity",)),
     (SPRINGS, 'kind = "pin"\nmass = 60\n', ("terminal.mass = 60: unknown key; allowed: kind, position",)),
@@ -229,6 +234,83 @@ def test_a_mistake_is_named(good: str, bad: str, says: tuple[str, ...]) -> None:
     assert all(line.startswith("scenes/x.toml: ") for line in message.splitlines())
     for part in says:
         assert part in message
+
+
+SURGES = GOOD.replace("damping = 237.6", "damping = 237.6\nstiffness_horizontal = 300\ndamping_horizontal = 20")
+MOVED = GOOD.replace(GOOD.partition("[top]\n")[2].partition("[terminal]")[0], 'kind = "motion"\n\n').replace(
+    "u_m1", "y_1"
+)
+MOVED_BELOW = MOVED.replace(SPRINGS, 'kind = "motion"\n')
+BAD_ENDS = [
+    (
+        SURGES,
+        "damping_horizontal = 20",
+        "",
+        "top: a floater that surges needs stiffness_horizontal and damping_horizontal",
+    ),
+    (SURGES, "stiffness_horizontal = 300", "", "top: a floater that surges needs stiffness_horizontal and damping_"),
+    (
+        SURGES,
+        "stiffness_horizontal = 300",
+        "stiffness_horizontal = -3",
+        "top.stiffness_horizontal = -3: a stiffness must",
+    ),
+    (GOOD, "damping = 237.6", "damping = 237.6\nstatic_pull = 5", "top: static_pull is only for a floater that surges"),
+    (GOOD, "u_m1 =", "u_m1x =", 'top "floater" and terminal "anchor-spring" has the inputs u_m1'),
+    (GOOD, "u_m1 =", "x_1 =", 'top "floater" and terminal "anchor-spring" has the inputs u_m1'),
+    (SURGES, "u_m1 =", "u_m2 =", 'top "floater" and terminal "anchor-spring" has the inputs u_m1, u_m1x'),
+    (
+        MOVED,
+        "y_1 =",
+        "u_m1 =",
+        'inputs.u_m1: a scene with top "motion" and terminal "anchor-spring" has the inputs x_1, y_1',
+    ),
+    (
+        MOVED,
+        "y_1 =",
+        "y_2 =",
+        'inputs.y_2: a scene with top "motion" and terminal "anchor-spring" has the inputs x_1, y_1',
+    ),
+    (MOVED_BELOW, "y_1 =", "F_cx =", 'and terminal "motion" has the inputs x_1, y_1, x_2, y_2'),
+    (MOVED, "y_1 =", "vy_1 =", "inputs.vy_1"),
+    (MOVED, 'kind = "motion"', 'kind = "motion"\nmass = 5', "top.mass = 5: unknown key; allowed: kind"),
+    (MOVED_BELOW, "position = [15, 20]", "", "terminal.position: this key is missing"),
+    (
+        MOVED_BELOW,
+        "position = [15, 20]",
+        "position = [15, 20]\nmass = 1",
+        "terminal.mass = 1: unknown key; allowed: kind, pos",
+    ),
+    (MOVED_BELOW, '"catenary"', '"hanging"', "the start shape ends at (0, 30) m, not at the vessel"),
+    (MOVED_BELOW, "[15, 20]", "[15, 30]", "terminal.position = [15.0, 30.0]: the ports are 33.541 m apart"),
+    (MOVED, "amplitude = 100", 'amplitude = "100 N"', 'inputs.y_1.amplitude = "100 N": a coordinate [m]'),
+    (MOVED, SINE, '"5 s"', 'inputs.y_1 = "5 s": a coordinate [m] is expected, for example 0.5 or "0.5 m", or a table'),
+    (MOVED, SINE, '{ signal = "steps", times = [0], values = [5] }', 'inputs.y_1.signal = "steps": allowed: sine, csv'),
+    (MOVED, "period = 4", "period = 4, start = 2", "inputs.y_1.start = 2: unknown key"),
+    (
+        MOVED,
+        SINE,
+        '{ signal = "csv", file = "one.csv" }',
+        "inputs.y_1: one.csv: a motion needs two lines with numbers or more",
+    ),
+    (
+        MOVED,
+        SINE,
+        '{ signal = "csv", file = "back.csv" }',
+        "inputs.y_1: back.csv: row 2: time 0 s does not come after 0 s",
+    ),
+]
+
+
+@pytest.mark.parametrize(("scene", "good", "bad", "says"), BAD_ENDS)
+def test_a_mistake_in_what_the_other_ends_have_is_named(scene: str, good: str, bad: str, says: str) -> None:
+    load(scene)
+    assert scene.count(good) == 1, "the change must hit one place"
+    with pytest.raises(SceneError) as refused:
+        load(scene.replace(good, bad))
+    message = str(refused.value)
+    assert all(line.startswith("scenes/x.toml: ") for line in message.splitlines())
+    assert says in message
 
 
 def test_all_mistakes_come_at_once() -> None:

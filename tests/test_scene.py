@@ -16,7 +16,8 @@ from cablefmu.scene import Scene, load_scene, shipped_scenes
 from cablefmu.scene_schema import STATICS
 
 # n, stop time [s] and frames [s] as the dissertation has them (section 6); None where it shows no frames.
-# seabed-pin-60 is ours: seabed-mass-60 with an ideal anchor.
+# Ours are seabed-pin-60, which is seabed-mass-60 with an ideal anchor, and those with ends that it does not have:
+# lifted-40, moored-40, towed-40.
 EXPECTED = {
     "angles-12-water": (12, 62.0, None),
     "floaters-both-80": (80, 15.5, 0.5),
@@ -28,14 +29,17 @@ EXPECTED = {
     "free-60-water": (60, 31.0, 1.0),
     "heave-60-air": (60, 31.0, 1.0),
     "heave-60-water": (60, 31.0, 1.0),
+    "lifted-40": (40, 15.5, 0.5),
     "load-diagonal-80": (80, 15.5, 0.5),
     "load-horizontal-80": (80, 15.5, 0.5),
     "load-lift-80": (80, 31.0, 1.0),
+    "moored-40": (40, 31.0, 1.0),
     "seabed-mass-60": (60, 15.5, 0.5),
     "seabed-mass-110": (110, 15.5, 0.5),
     "seabed-pin-60": (60, 15.5, 0.5),
     "seabed-spring-60": (60, 15.5, 0.5),
     **{f"timing-{n}": (n, 10.0, None) for n in (20, 40, 60, 80, 100, 120)},
+    "towed-40": (40, 31.0, 1.0),
 }
 
 
@@ -122,6 +126,50 @@ def test_the_pinned_scene_is_the_one_with_the_huge_mass_but_for_its_anchor() -> 
     assert dataclasses.astuple(cable.links)[0].tolist() == heavy.cable.links.length.tolist()
     assert cable.parameters | {"m_c": 8e8} == heavy.cable.parameters
     assert pinned.signals == heavy.signals
+
+
+def test_a_motion_is_given_by_its_place_and_its_derivatives_follow() -> None:
+    scene = load_scene("towed-40")
+    w = 2.0 * math.pi / 8.0
+    for t in (0.0, 0.7, 9.1):
+        sine, cosine = math.sin(w * t), math.cos(w * t)
+        place, velocity, acceleration = (scene.signals[f"{kind}y_1"](t) for kind in ("", "v", "a"))
+        assert place == pytest.approx(1.5 * (1.0 - cosine), rel=0, abs=1e-14)
+        assert velocity == pytest.approx(1.5 * w * sine, rel=0, abs=1e-14)
+        assert acceleration == pytest.approx(1.5 * w * w * cosine, rel=0, abs=1e-14)
+    start = scene.cable.input_start
+    assert start["ay_1"] == pytest.approx(1.5 * w * w)
+    assert {name: start[name] for name in ("x_1", "y_1", "vx_1", "vy_1")} == pytest.approx(
+        {"x_1": 0.0, "y_1": 0.0, "vx_1": 0.0, "vy_1": 0.0}, abs=1e-14
+    )
+
+
+def test_a_vessel_of_which_nothing_is_said_rests() -> None:
+    text = "\n".join(line for line in load_scene("lifted-40").text.splitlines() if not line.startswith(("x_2", "y_")))
+    scene = Scene.from_text(text, name="lifted")
+    assert {name: signal(3.0) for name, signal in scene.signals.items() if signal(3.0)} == {"x_2": 80.0, "y_2": 10.0}
+    assert {name: value for name, value in scene.cable.input_start.items() if value} == {"x_2": 80.0, "y_2": 10.0}
+
+
+def test_a_motion_from_samples_is_smooth() -> None:
+    """A clamped cubic spline: through every sample, without a jump of velocity or acceleration, at rest outside."""
+    samples = b"0,2\n1,2.5\n3,-1\n4,0\n"
+    text = "\n".join(
+        line if not line.startswith("y_1") else 'y_1 = { signal = "csv", file = "ship.csv" }'
+        for line in load_scene("towed-40").text.splitlines()
+    )
+    signals = Scene.from_text(text, name="x", files={"ship.csv": samples}).signals
+    place, velocity, acceleration = (signals[name] for name in ("y_1", "vy_1", "ay_1"))
+    assert [place(t) for t in (-1.0, 0.0, 1.0, 3.0, 4.0, 9.0)] == pytest.approx([2.0, 2.0, 2.5, -1.0, 0.0, 0.0])
+    for t in (1.0, 3.0):
+        assert velocity(t) == pytest.approx(velocity(t - 1e-9), abs=1e-7)
+        assert acceleration(t) == pytest.approx(acceleration(t - 1e-9), abs=1e-7)
+    assert [velocity(t) for t in (0.0, 4.0)] == pytest.approx([0.0, 0.0], abs=1e-12)
+    h = 1e-5
+    for t in (0.3, 2.2, 3.9):
+        assert velocity(t) == pytest.approx((place(t + h) - place(t - h)) / (2 * h), rel=1e-8, abs=1e-8)
+        assert acceleration(t) == pytest.approx((velocity(t + h) - velocity(t - h)) / (2 * h), rel=1e-8, abs=1e-8)
+    assert velocity.breaks(0.0, 5.0) == [1.0, 3.0, 4.0]
 
 
 def with_lines(table: str, *lines: str, scene: str = "free-12-air") -> Scene:

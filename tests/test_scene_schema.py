@@ -44,6 +44,8 @@ def test_shipped_scenes_are_valid(name: str, validator: Any) -> None:
         ("water", "density", -1.0),
         ("water", "drag_per_link", 200.0),  # besides Cd
         ("terminal", "kind", "anchor"),
+        ("top", "kind", "boat"),
+        ("top", "kind", "motion"),  # with a mass
         ("shape", "angle", True),
         ("run", "tolerance", 1.0),
         ("run", "solver", "stiff"),
@@ -58,10 +60,18 @@ def test_editors_are_warned(table: str, key: str, value: object, validator: Any)
 
 
 def test_inputs_and_outputs_have_the_names_that_users_rely_on() -> None:
-    assert inputs_of("load", False) == ("u_m1", "F_cx", "F_cy")
-    assert inputs_of("floater", False) == ("u_m1", "u_m2")
-    assert inputs_of("floater", True) == ("u_m1", "u_m2", "F_cx")
-    assert inputs_of("anchor-mass", False) == inputs_of("anchor-spring", False) == inputs_of("pin", False) == ("u_m1",)
+    def under(terminal: str, *, forced: bool = False, top: str = "floater", surges: bool = False) -> tuple[str, ...]:
+        return inputs_of(top, surges, terminal, forced)
+
+    assert under("load") == ("u_m1", "F_cx", "F_cy")
+    assert under("floater") == ("u_m1", "u_m2")
+    assert under("floater", forced=True) == ("u_m1", "u_m2", "F_cx")
+    assert under("anchor-mass") == under("anchor-spring") == under("pin") == ("u_m1",)
+    assert under("load", surges=True) == ("u_m1", "F_cx", "F_cy", "u_m1x")
+    moved = {end: tuple(f"{kind}{axis}_{end}" for kind in ("", "v", "a") for axis in "xy") for end in (1, 2)}
+    assert under("motion") == ("u_m1", *moved[2])
+    assert under("load", top="motion") == ("F_cx", "F_cy", *moved[1])
+    assert under("motion", top="motion") == (*moved[1], *moved[2])
     assert OUTPUTS[:6] == ("y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c")
     assert OUTPUTS[6:10] == ("tension_top", "tension_end", "tension_max", "energy")
 

@@ -127,7 +127,7 @@ def _steps(loc: tuple[int | str, ...]) -> Iterable[tuple[int | str, bool]]:
     """Each entry of a location, and whether it is a key of the file."""
     for k, part in enumerate(loc):
         # After a table of several kinds stands the kind; a mark only stands inside.
-        is_kind = (k == 1 and loc[0] in ("terminal", "shape") and part in _KINDS) or (k > 0 and loc[k - 1] == "<table>")
+        is_kind = (k == 1 and loc[0] in _OF_KINDS and part in _KINDS) or (k > 0 and loc[k - 1] == "<table>")
         yield part, not (isinstance(part, str) and (is_kind or (part in MARKS and k >= 2)))
 
 
@@ -196,4 +196,6 @@ def _show(value: object) -> str:
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 4] + " ..."
 
 
-_KINDS = frozenset(tag for key in ("terminal", "shape") for tag in _all_tags(key))
+_OF_KINDS = ("top", "terminal", "shape")
+"""Tables of several kinds."""
+_KINDS = frozenset(tag for key in _OF_KINDS for tag in _all_tags(key))

@@ -203,6 +203,8 @@ def test_inertia_pulls_against_the_acceleration(unpacked: Unpacked) -> None:
         by = host.fmu.getDirectionalDerivative([host.reference[n] for n in names], [host.reference["ay_1"]], [1.0])
         host.set(ay_1=start + 2.0)
         np.testing.assert_allclose(np.array(host.get(*names)) - before, 2.0 * np.array(by), rtol=1e-10)
+        (xy, yy) = host.get("m_1xy", "m_1yy")
+        np.testing.assert_allclose(by, [-xy, -yy], rtol=1e-12)
         total = float(np.sum(small_scene("moved").cable.links.mass)) + 60.0
         assert -total < by[1] < 0.0, "less than all of the mass, which may turn out of the way"
 

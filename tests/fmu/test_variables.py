@@ -41,8 +41,9 @@ PARAMETERS = {
     "between": {"rho_w", "Cd"},
 }
 OUTPUTS = ["x_c", "y_c", "vx_c", "vy_c", "tension_top", "tension_end", "tension_max", "energy"]
+OF_PORT = {end: [f"F_{end}x", f"F_{end}y", f"m_{end}xx", f"m_{end}xy", f"m_{end}yy"] for end in (1, 2)}
 TOP = {
-    "surge": ["y_m1", "v_m1", "x_m1", "vx_m1"], "moved": ["F_1x", "F_1y"], "between": ["F_1x", "F_1y", "F_2x", "F_2y"],
+    "surge": ["y_m1", "v_m1", "x_m1", "vx_m1"], "moved": OF_PORT[1], "between": [*OF_PORT[1], *OF_PORT[2]],
 }  # fmt: skip
 """Outputs of the ends, where these are not y_m1 and v_m1."""
 HEALTH = {

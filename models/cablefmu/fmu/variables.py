@@ -301,6 +301,7 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
 
     x, y, vx, vy = of_top("x_m1", "x_1"), of_top("y_m1", "y_1"), of_top("vx_m1", "vx_1"), of_top("v_m1", "vy_1")
     # Sideways a vessel takes the cable along, but not what springs hold its other end to.
+    masses = {name for names in PORT_OUTPUTS.values() for name in names if name.startswith("m_")}
     stretched = x if cable.top is not Top.MOTION or cable.terminal in _SPRUNG else ()
     depends_on: dict[str, tuple[int, ...] | None] = {
         "x_c": x + angles,
@@ -308,7 +309,7 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         "vx_c": angles + vx + rates,
         "vy_c": angles + vy + rates,
         "energy": stretched + y + angles + vx + vy + rates,
-        **{name: angles for names in PORT_OUTPUTS.values() for name in names if name.startswith("m_")},
+        **dict.fromkeys(masses, angles),
     }
     for name, row in table().outputs.items():
         if name in dropped or name in STATE_OUTPUTS or name in cable.absent_outputs:
@@ -316,7 +317,7 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         listing.add(
             name, Kind.OUTPUT, row.slot, row.unit, f"{row.description}; {FRAME}", causality="output",
             variability="continuous", initial="calculated", nominal=row.nominal, depends_on=depends_on.get(name),
-            on_all_at_start=name == "energy" or begin.on_all,
+            on_all_at_start=name in masses | {"energy"} or begin.on_all,
         )  # fmt: skip
 
 
