@@ -7,6 +7,7 @@
     │   ├── SceneError   something in a scene file (or in a file that it names)
     │   ├── OptionError  a command-line option or an argument of the Python API
     │   ├── FmuError     an archive that is not one of ours, or is damaged
+    │   ├── CouplingError  something in a coupling file, or between the models that it couples
     │   ├── StateError   a saved state that is none, is damaged, or is of another run
     │   └── VesselError  something in a vessel's table (or in a file that it names)
     └── RunError         a run that could not go on; status 1, results up to then are kept
@@ -16,7 +17,17 @@ Every message is whole sentences for a person: what is wrong, where, and what is
 
 from __future__ import annotations
 
-__all__ = ["CableError", "FmuError", "OptionError", "RunError", "SceneError", "StateError", "UserError", "VesselError"]
+__all__ = [
+    "CableError",
+    "CouplingError",
+    "FmuError",
+    "OptionError",
+    "RunError",
+    "SceneError",
+    "StateError",
+    "UserError",
+    "VesselError",
+]
 
 
 class CableError(Exception):
@@ -33,6 +44,10 @@ class UserError(CableError):
 
 class SceneError(UserError):
     """One or more mistakes in a scene file, one line each: file, key, value, what is allowed."""
+
+
+class CouplingError(UserError):
+    """One or more mistakes in a coupling file, or between its models, one line each: file, connection, what is allowed."""
 
 
 class OptionError(UserError):

@@ -1,0 +1,46 @@
+"""The start of a coupling: initial values that agree, loops included, found in initialization mode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..cable import Floats
+from ..errors import RunError
+from .exchange import Exchange, Outputs
+from .fixed_point import NotFoundError, solve
+from .partners import Partner
+from .step import outputs_of, worst
+from .system import System
+
+__all__ = ["initialise"]
+
+
+def initialise(system: System, partners: Mapping[str, Partner], exchange: Exchange) -> Outputs:
+    """Bring every instance through initialization mode; the outputs at the start.
+
+    All connected inputs are set from the outputs, and outputs are read again, until nothing changes.
+
+    Raises
+    ------
+    RunError
+        If a model fails, or the iteration does.
+    """
+    settings = system.settings
+    for partner in partners.values():
+        partner.enter_initialisation(settings.stop_time, settings.tolerance)
+
+    def evaluate(values: Floats) -> Floats:
+        for name, partner in partners.items():
+            partner.set([float(values[k]) for k in exchange.into(name)])
+        return exchange.values(outputs_of(partners))
+
+    first = exchange.values(outputs_of(partners))
+    # Without a loop plain repetition ends after as many rounds as there are models in a row.
+    plain = {} if system.loops else {"acceleration": "none", "most": max(settings.iteration.most, len(partners) + 1)}
+    try:
+        solve(evaluate, first, exchange.scale, settings.iteration.model_copy(update=plain))
+    except NotFoundError as error:
+        raise RunError(f"no initial values that agree were found: {worst(error.residual, exchange)}") from None
+    for partner in partners.values():
+        partner.exit_initialisation()
+    return outputs_of(partners)

@@ -1,0 +1,247 @@
+"""The FMUs of a coupling: built or found, unpacked, and what their descriptions say of them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from fmpy import extract, read_model_description
+from fmpy.model_description import BaseUnit, ModelDescription, ModelVariable
+from pythonfmu import FmuBuilder
+
+from ..errors import UserError
+from ..fmu.archive import build_fmu
+from ..fmu.platforms import for_this_machine
+from ..scene import Scene, load_scene
+from ..scene_mistakes import Mistake, nearest
+from ..signals import Constant
+from .description import Coupling
+from .schema import ModelSpec, Value
+
+__all__ = ["Model", "Unit", "open_models", "shipped_partners"]
+
+REAL = ("Real", "Float64")
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit as an FMU defines it: exponents of the base units, and its size in them."""
+
+    name: str
+    exponents: tuple[int, ...]
+    factor: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Model:
+    """One [[model]] with its FMU."""
+
+    spec: ModelSpec
+    path: Path
+    folder: Path
+    """Where the FMU is unpacked."""
+    description: ModelDescription
+    scene: Scene | None = None
+    constants: Mapping[str, float] = field(default_factory=dict)
+    """Constant inputs: of the file, or of its scene."""
+
+    @property
+    def name(self) -> str:
+        return self.spec.name
+
+    @property
+    def fmi(self) -> int:
+        return int(self.description.fmiVersion.split(".")[0])
+
+    @cached_property
+    def variables(self) -> dict[str, ModelVariable]:
+        return {variable.name: variable for variable in self.description.modelVariables}
+
+    def names(self, causality: str) -> list[str]:
+        """Scalar real variables of this causality."""
+        return [
+            name for name, v in self.variables.items()
+            if v.causality == causality and v.type in REAL and not v.dimensions
+        ]  # fmt: skip
+
+    @property
+    def can_roll_back(self) -> bool:
+        """Whether its complete state can be taken and put back."""
+        offered = self.description.coSimulation
+        return bool(offered.canGetAndSetFMUstate if self.fmi == 2 else offered.canGetAndSetFMUState)
+
+    @property
+    def can_vary_step(self) -> bool:
+        return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
+
+    def interpolates(self, name: str) -> bool:
+        """Whether an input may change inside a step: by its derivatives (FMI 2), or when asked for (FMI 3)."""
+        offered = self.description.coSimulation
+        if self.fmi == 2:
+            return bool(offered.canInterpolateInputs)
+        return bool(offered.providesIntermediateUpdate and self.variables[name].intermediateUpdate)
+
+    def feedthrough(self, output: str) -> list[str]:
+        """Inputs that an output depends on at once; all, where the description leaves it open."""
+        inputs = self.names("input")
+        for unknown in self.description.outputs:
+            if unknown.variable.name == output and unknown.dependencies is not None:
+                named = {variable.name for variable in unknown.dependencies}
+                return [name for name in inputs if name in named]
+        return inputs if self.spec.feedthrough else []
+
+    def unit(self, name: str) -> Unit | None:
+        """Of a variable; None where its FMU says nothing of it."""
+        variable = self.variables[name]
+        said = variable.unit or (variable.declaredType.unit if variable.declaredType else None)
+        for unit in self.description.unitDefinitions:
+            if unit.name == said:
+                base = unit.baseUnit or BaseUnit()
+                exponents = tuple(int(getattr(base, b) or 0) for b in ("kg", "m", "s", "A", "K", "mol", "cd", "rad"))
+                return Unit(unit.name, exponents, float(base.factor or 1.0), float(base.offset or 0.0))
+        return None
+
+    def nominal(self, name: str) -> float:
+        """Typical size of a variable; 1 where its FMU does not say it."""
+        said = self.variables[name].nominal
+        return abs(float(said)) if said is not None and float(said) else 1.0
+
+    def terminal(self, name: str) -> dict[str, str]:
+        """Variables of a terminal by the names of its members.
+
+        Raises
+        ------
+        LookupError
+            If there is none; with the names of those that there are.
+        """
+        file = self.folder / "terminalsAndIcons" / "terminalsAndIcons.xml"
+        root = ET.parse(file).getroot() if file.is_file() else ET.Element("none")
+        terminals = {terminal.attrib["name"]: terminal for terminal in root.iter("Terminal")}
+        if name not in terminals:
+            raise LookupError(nearest(name, terminals) if terminals else "its FMU has none")
+        members = terminals[name].iter("TerminalMemberVariable")
+        return {member.attrib.get("memberName", member.attrib["variableName"]): member.attrib["variableName"] for member in members}
+
+
+def open_models(coupling: Coupling, folder: Path, mistakes: list[Mistake]) -> dict[str, Model]:
+    """Build or find every FMU, and unpack it into `folder`; what is wrong is added to `mistakes`."""
+    models: dict[str, Model] = {}
+    for k, spec in enumerate(coupling.spec.model, start=1):
+        try:
+            model = _open(coupling, spec, folder)
+        except (UserError, _RefusedError) as error:
+            key = next(key for key in ("scene", "fmu", "partner") if getattr(spec, key) is not None)
+            mistakes.append(Mistake(f"model {k}.{key}", str(error), getattr(spec, key)))
+            continue
+        mistakes += [Mistake(f"model {k}.{key}", text, value) for key, text, value in _wrong_values(model)]
+        models[spec.name] = model
+    return models
+
+
+class _RefusedError(Exception):
+    """One sentence on why an FMU cannot be had."""
+
+
+def _open(coupling: Coupling, spec: ModelSpec, folder: Path) -> Model:
+    target, scene = folder / f"{spec.name}.fmu", None
+    if spec.scene is not None:
+        named = coupling.folder / spec.scene
+        scene = load_scene(named if spec.scene.endswith(".toml") else spec.scene)
+        path = build_fmu(scene, target, fmi=spec.fmi or 2, platforms=for_this_machine())
+    elif spec.partner is not None:
+        path = _build_partner(spec.partner, folder / f"{spec.name}-built")
+    else:
+        assert spec.fmu is not None
+        path = coupling.folder / spec.fmu
+    if spec.fmi is not None and scene is None:
+        raise _RefusedError("fmi is for scenes, whose FMUs are built; leave it out")
+    description = _read(path)
+    extract(str(path), unzipdir=str(folder / spec.name))
+    constants = dict(spec.inputs)
+    if scene is not None:
+        held = {name: signal for name, signal in scene.signals.items() if isinstance(signal, Constant)}
+        constants = {name: signal(0.0) for name, signal in held.items()} | constants
+    return Model(spec, path, folder / spec.name, description, scene, constants)
+
+
+def _read(path: Path) -> ModelDescription:
+    if not path.is_file():
+        raise _RefusedError(f"{path}: there is no such file")
+    try:
+        description = read_model_description(str(path), validate=False)
+    except Exception as error:  # FMPy raises what its parsers raise
+        raise _RefusedError(f"{path}: is not an FMU that can be read ({error})") from None
+    if not description.fmiVersion.startswith(("2.", "3.")) or description.coSimulation is None:
+        raise _RefusedError(f"{path}: Co-Simulation of FMI 2 or 3 is expected")
+    return description
+
+
+def shipped_partners() -> dict[str, Any]:
+    """Scripts of partner FMUs that ship and can be built as they are."""
+    folder = resources.files("cablefmu") / "binaries" / "partners"
+    scripts = {entry.name.removesuffix(".py"): entry for entry in folder.iterdir() if entry.name.endswith(".py")}
+    return {name: script for name, script in sorted(scripts.items()) if name in _PARTNERS}
+
+
+_PARTNERS = ("spring", "wave_force")
+
+
+def _build_partner(name: str, folder: Path) -> Path:
+    scripts = shipped_partners()
+    if name not in scripts:
+        raise _RefusedError(f"no such partner ships; {nearest(name, scripts)}")
+    folder.mkdir()
+    script = folder / f"{name}.py"
+    script.write_bytes(scripts[name].read_bytes())
+    before = sys.path.copy()
+    try:  # pythonfmu imports what it packs, and leaves it and its folder in this process
+        return Path(FmuBuilder.build_FMU(script, dest=folder))
+    finally:
+        sys.path[:] = before
+        sys.modules.pop(name, None)
+
+
+def _wrong_values(model: Model) -> list[tuple[str, str, object]]:
+    """Parameters and constant inputs that the FMU does not have, or not in that kind."""
+    wrong: list[tuple[str, str, object]] = []
+    settable = [n for n, v in model.variables.items() if v.causality != "input" and _can_be_set(v)]
+    for name, value in model.spec.parameters.items():
+        if name not in settable:
+            said = nearest(name, settable) if settable else "its FMU has none"
+            wrong.append((f"parameters.{name}", f"there is no such parameter or start value; {said}", value))
+            continue
+        refused = _refusal(model.variables[name], value)
+        if refused:
+            wrong.append((f"parameters.{name}", refused, value))
+    inputs = model.names("input")
+    for name, number in model.spec.inputs.items():
+        if name not in inputs:
+            said = nearest(name, inputs) if inputs else "its FMU has none"
+            wrong.append((f"inputs.{name}", f"there is no such real input; {said}", number))
+    return wrong
+
+
+def _can_be_set(variable: ModelVariable) -> bool:
+    if variable.dimensions or variable.variability == "constant":
+        return False
+    return variable.causality == "parameter" or variable.initial in ("exact", "approx")
+
+
+def _refusal(variable: ModelVariable, value: Value) -> str | None:
+    """Why the value is none of this variable's."""
+    if variable.type == "Enumeration":
+        items = [item.name for item in variable.declaredType.items]
+        return None if value in items else f"one of {', '.join(items)} is expected"
+    expected = {"Boolean": (bool, "true or false"), "String": (str, "a text")}
+    kind, text = expected.get(variable.type, ((int, float), "a number"))
+    if variable.type not in (*REAL, *expected) and not isinstance(value, bool):
+        kind, text = int, "a whole number"
+    is_number = not isinstance(value, bool)
+    return None if isinstance(value, kind) and (variable.type == "Boolean" or is_number) else f"{text} is expected"

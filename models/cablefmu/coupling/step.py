@@ -1,0 +1,155 @@
+"""One communication step of all models, in three ways.
+
+Jacobi: all models step with inputs from the past. Gauss-Seidel: one after the other, with what those before said of the
+step's end. Iterated: all again and again from the same state, until what they were given for the end is what they say
+there. An input follows a polynomial through its newest samples, of the order `extrapolation`: of the past in
+Jacobi, where it extrapolates, through the end of the step where that is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..cable import Floats
+from ..errors import RunError
+from .connections import Variable
+from .exchange import Exchange, Outputs
+from .extrapolation import Polynomial, Sample
+from .fixed_point import NotFoundError, solve
+from .partners import Partner
+from .system import System
+
+__all__ = ["Ended", "make_stepper", "outputs_of", "worst"]
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a step ended."""
+
+    outputs: Outputs
+    inputs: Mapping[Variable, float]
+    """What connected inputs were at the end of the step"""
+    evaluations: int = 1
+
+
+Stepper = Callable[[float, float], Ended]
+"""From a time to a time [s]; samples are not accepted yet."""
+
+
+def make_stepper(system: System, partners: Mapping[str, Partner], exchange: Exchange, *, may_repeat: bool) -> Stepper:
+    """The step of the coupling's algorithm.
+
+    `may_repeat`: whether the master may take whole steps back, which models must be told of.
+    """
+    kinds = {"jacobi": _Jacobi, "gauss-seidel": _GaussSeidel, "iterated": _Iterated}
+    return kinds[system.settings.algorithm](system, partners, exchange, is_final=not may_repeat)
+
+
+def outputs_of(partners: Mapping[str, Partner]) -> dict[Variable, float]:
+    """Present outputs of all models."""
+    return {variable: value for partner in partners.values() for variable, value in _read(partner).items()}
+
+
+def worst(residual: Floats, exchange: Exchange) -> str:
+    """The connection that agrees least, in words."""
+    k = int(np.argmax(np.where(np.isfinite(residual), residual, np.inf)))
+    return f"{exchange.connections[k]} still changes by {residual[k]:.3g} of its size {exchange.scale[k]:.3g}"
+
+
+def _read(partner: Partner) -> dict[Variable, float]:
+    name = partner.model.name
+    return {Variable(name, output): value for output, value in zip(partner.outputs, partner.get(), strict=True)}
+
+
+class _Base:
+    def __init__(self, system: System, partners: Mapping[str, Partner], exchange: Exchange, *, is_final: bool) -> None:
+        self.system = system
+        self.partners = partners
+        self.exchange = exchange
+        self.is_final = is_final
+        self.order = system.order
+
+    def advance(self, name: str, time: float, end: float, newest: Mapping[int, Sample], used: dict[Variable, float]) -> None:
+        """Step one model with inputs through these newest samples; what they are at the end goes to `used`."""
+        numbers = self.exchange.into(name)
+        polynomials = [self.exchange.polynomial(k, newest.get(k)) for k in numbers]
+        try:
+            self.partners[name].step(time, end, polynomials, is_final=self.is_final)
+        except RunError as error:
+            raise RunError(str(error) + self._fed_by(numbers, polynomials, time)) from None
+        used.update(
+            (self.exchange.connections[k].target, polynomial(end))
+            for k, polynomial in zip(numbers, polynomials, strict=True)
+        )
+
+    def _fed_by(self, numbers: list[int], polynomials: list[Polynomial], time: float) -> str:
+        fed = zip(numbers, polynomials, strict=True)
+        said = ", ".join(f"{self.exchange.connections[k]} = {polynomial(time):.6g}" for k, polynomial in fed)
+        return f" (connected inputs: {said})" if said else ""
+
+
+class _Jacobi(_Base):
+    def __call__(self, time: float, end: float) -> Ended:
+        used: dict[Variable, float] = {}
+        for name in self.order:
+            self.advance(name, time, end, {}, used)
+        return Ended(outputs_of(self.partners), used)
+
+
+class _GaussSeidel(_Base):
+    def __call__(self, time: float, end: float) -> Ended:
+        used: dict[Variable, float] = {}
+        outputs: dict[Variable, float] = {}
+        newest: dict[int, Sample] = {}
+        for name in self.order:
+            self.advance(name, time, end, newest, used)
+            outputs |= _read(self.partners[name])
+            known = [k for k, c in enumerate(self.exchange.connections) if c.source.model == name]
+            newest |= {k: (end, float(v)) for k, v in zip(known, self.exchange.values(outputs, known), strict=True)}
+        return Ended(outputs, used)
+
+
+class _Iterated(_Base):
+    def __call__(self, time: float, end: float) -> Ended:
+        repeated = self.system.iterated
+        outputs: dict[Variable, float] = {}
+        used: dict[Variable, float] = {}
+        for name in self.order:
+            if name not in repeated:
+                self.advance(name, time, end, {}, used)
+                outputs |= _read(self.partners[name])
+        connections = self.exchange.connections
+        fixed = [k for k, c in enumerate(connections) if c.source.model not in repeated]
+        free = [k for k in range(len(connections)) if k not in fixed]
+        newest = {k: (end, float(v)) for k, v in zip(fixed, self.exchange.values(outputs, fixed), strict=True)}
+        states = {name: self.partners[name].save() for name in repeated}
+        evaluated = False
+
+        def evaluate(values: Floats) -> Floats:
+            nonlocal evaluated
+            if evaluated:
+                for name in repeated:
+                    self.partners[name].restore(states[name])
+            evaluated = True
+            newest.update((k, (end, float(value))) for k, value in zip(free, values, strict=True))
+            for name in repeated:
+                self.advance(name, time, end, newest, used)
+                outputs.update(_read(self.partners[name]))
+            return self.exchange.values(outputs, free)
+
+        guess = np.array([self.exchange.polynomial(k)(end) for k in free])
+        try:
+            count = solve(evaluate, guess, self.exchange.scale[free], self.system.settings.iteration).evaluations
+        except NotFoundError as error:
+            residual = np.zeros(len(connections))
+            residual[free] = error.residual
+            most = self.system.settings.iteration.most
+            text = f"the step from t = {time:.12g} s did not agree after {most} iterations: {worst(residual, self.exchange)}"
+            raise RunError(text) from None
+        finally:
+            for name, state in states.items():
+                self.partners[name].forget(state)
+        return Ended(outputs, used, count)
