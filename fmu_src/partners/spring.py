@@ -58,7 +58,7 @@ class Spring(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
         return float(-self.stiffness * y - self.damping * v - self.drag * abs(v) * v)
 
     def to_xml(self, *options: Any) -> Element:
-        """The description, with what pythonfmu leaves out: units, initial unknowns, and that its state is its inputs."""
+        """The description, with what pythonfmu leaves out: units, initial unknowns, and that it can be rolled back."""
         root: Element = super().to_xml(*options)
         root.insert(1, definitions := Element("UnitDefinitions"))
         for name, powers in UNITS.items():
@@ -75,4 +75,3 @@ class Spring(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
             if variable.attrib["name"] in OUTPUTS:
                 SubElement(initial, "Unknown", index=str(index))
         return root
-

@@ -14,6 +14,8 @@ import xarray as xr
 from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
+from .couple_command import couple_and_show, export_coupling
+from .coupling.description import load_coupling, shipped_couplings
 from .errors import CableError, OptionError, RunError
 from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
@@ -197,6 +199,45 @@ def report(
     """Measure error against run time: solvers, tolerances, communication steps, numbers of links."""
     asked = Asked(scenes, all_, accuracy=accuracy, limit=limit, peers=peers, markdown=markdown)
     write_scene_reports(asked, folder=output)
+
+
+@app.command
+def couplings(name: str | None = None, /) -> None:
+    """List the couplings that ship; with NAME print that coupling's TOML, ready to edit."""
+    if name is not None:
+        sys.stdout.write(load_coupling(name).text)
+        return
+    for shipped in shipped_couplings():
+        print(f"{shipped}  {load_coupling(shipped).spec.coupling.description}")
+
+
+@app.command
+def couple(
+    coupling: Annotated[str, Parameter(help="A shipped coupling's name (see `cablefmu couplings`) or a TOML file.")],
+    /,
+    *,
+    engine: Annotated[
+        Literal["own", "libcosim", "fmpy-ssp"],
+        Parameter(help="Who steps: this package, libcosim, or FMPy's SSP runner."),
+    ] = "own",
+    ssp: Annotated[
+        Path | None, Parameter(help="Write the coupling as SSP 1.0, FILE.ssp, instead of running it.")
+    ] = None,
+    osp: Annotated[
+        Path | None, Parameter(help="Write it as OSP system structure into this FOLDER, instead of running it.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        Parameter(name=["--output", "-o"], help="Results, FILE.csv or FILE.nc; ./build/NAME.csv by default."),
+    ] = None,
+) -> None:
+    """Couple FMUs of cables with others, and write what all of them say over time."""
+    if ssp is None and osp is None:
+        couple_and_show(coupling, engine, output)
+        return
+    if output is not None or engine != "own":
+        raise OptionError("ssp, osp: nothing is run; leave --output and --engine out")
+    export_coupling(coupling, ssp, osp)
 
 
 app.command(stress)

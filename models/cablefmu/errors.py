@@ -47,7 +47,7 @@ class SceneError(UserError):
 
 
 class CouplingError(UserError):
-    """One or more mistakes in a coupling file, or between its models, one line each: file, connection, what is allowed."""
+    """One or more mistakes in a coupling, one line each: file, key or connection, what is allowed."""
 
 
 class OptionError(UserError):

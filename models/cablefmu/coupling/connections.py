@@ -164,9 +164,13 @@ def _unfed(models: Mapping[str, Model], connections: list[Connection]) -> Iterat
         for name in model.names("input"):
             variable = Variable(model.name, name)
             if variable in fed and name in model.spec.inputs:
-                yield Mistake(f"input {variable}", f"has a source, {fed[variable]}, and a constant value; one is allowed")
+                yield Mistake(
+                    f"input {variable}", f"has a source, {fed[variable]}, and a constant value; one is allowed"
+                )
             elif variable not in fed and name not in model.constants:
-                scene = model.scene is not None and " (in the scene it varies over time, which a coupling does not feed)"
+                scene = (
+                    model.scene is not None and " (in the scene it varies over time, which a coupling does not feed)"
+                )
                 yield Mistake(
                     f"input {variable}",
                     f"has no source{scene or ''}; a connection to it or inputs.{name} of its model is expected",

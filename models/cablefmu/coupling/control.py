@@ -43,9 +43,9 @@ class Adaptive:
     """Steps of varying length.
 
     The error of a step of length h with inputs of order p goes with h^(p+1): the next is
-    0.9 h (tolerance / error)^(1/(p+1)), at most twice as long. It is either how far inputs came out from where they were
-    extrapolated to, or the power residual. A step with too large an error is repeated where every model can be
-    rolled back, and counted where not.
+    0.9 h (tolerance / error)^(1/(p+1)), at most twice as long. The error is how far inputs came out from where they
+    were extrapolated to, or the power residual. A step with too large an error is repeated where every model can
+    be rolled back, and counted where not.
     """
 
     def __init__(

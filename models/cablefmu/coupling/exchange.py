@@ -45,7 +45,9 @@ class Exchange:
     def accept(self, time: float, outputs: Outputs) -> None:
         """Take the values at a communication point as samples."""
         for k, value in enumerate(self.values(outputs)):
-            self.samples[k] = [*self.samples[k][-self.order :], (time, float(value))] if self.order else [(time, float(value))]
+            self.samples[k] = (
+                [*self.samples[k][-self.order :], (time, float(value))] if self.order else [(time, float(value))]
+            )
             self.scale[k] = max(self.scale[k], abs(value))
 
     def polynomial(self, k: int, newest: Sample | None = None) -> Polynomial:

@@ -1,9 +1,9 @@
 """Values w with G(w) = w: what an iterated step and the start of a coupling look for.
 
-G is one evaluation of all models. Plain repetition, w <- G(w), diverges where a vessel is lighter than the cable that it
-carries: the error is multiplied by minus the ratio of their masses. Two remedies, both without derivatives:
+G is one evaluation of all models. Plain repetition, w <- G(w), diverges where a vessel is lighter than the cable
+that it carries: the error is multiplied by minus the ratio of their masses. Two remedies, both without derivatives:
 
-* Aitken: w <- w + omega r with r = G(w) - w and omega <- -omega r_old.(r - r_old)/|r - r_old|^2, one number for all values.
+* Aitken: w <- w + omega r with r = G(w) - w and omega <- -omega r_old.(r - r_old)/|r - r_old|^2, one number for all.
 * quasi-Newton: the combination of what was tried whose residuals cancel in the least-squares sense, w <- G(w) + W c,
   c = argmin |V c + r|, with the changes of residuals in V and of G in W (IQN-ILS; Degroote, Bathe and Vierendeels,
   2009; the same as Anderson's mixing). In a linear problem of m values it ends after at most m + 2 evaluations.

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from ..errors import CouplingError
 from ..scene_mistakes import Mistake, nearest
@@ -14,7 +14,7 @@ from . import schema
 
 __all__ = ["coupling_error", "mistakes_of"]
 
-_TABLES = {
+_TABLES: dict[str, type[BaseModel]] = {
     "": schema.FileSpec, "coupling": schema.CouplingSpec, "iteration": schema.IterationSpec,
     "adaptive": schema.AdaptiveSpec, "model": schema.ModelSpec, "connection": schema.ConnectionSpec,
     "power": schema.PowerSpec,
@@ -66,7 +66,9 @@ def _mistake(details: dict[str, Any]) -> Mistake:
         return Mistake(key, f"unknown key; {nearest(last, keys)}", value)
     if kind == "literal_error":
         given = value if isinstance(value, str) else repr(value)
-        return Mistake(key, nearest(given, re.findall(r"[\w-]+", details["ctx"]["expected"].replace(" or ", " "))), value)
+        return Mistake(
+            key, nearest(given, re.findall(r"[\w-]+", details["ctx"]["expected"].replace(" or ", " "))), value
+        )
     if kind == "string_pattern_mismatch" or last == "ports":
         return Mistake(key, _PATTERNS[last], value)
     if kind in ("greater_than_equal", "less_than_equal", "int_type", "int_from_float"):

@@ -127,7 +127,10 @@ class Model:
         if name not in terminals:
             raise LookupError(nearest(name, terminals) if terminals else "its FMU has none")
         members = terminals[name].iter("TerminalMemberVariable")
-        return {member.attrib.get("memberName", member.attrib["variableName"]): member.attrib["variableName"] for member in members}
+        return {
+            member.attrib.get("memberName", member.attrib["variableName"]): member.attrib["variableName"]
+            for member in members
+        }
 
 
 def open_models(coupling: Coupling, folder: Path, mistakes: list[Mistake]) -> dict[str, Model]:

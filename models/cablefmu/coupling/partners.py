@@ -234,7 +234,8 @@ class _Fmi3(Partner):
 
         asked = {"requiredIntermediateVariables": self._followed, "intermediateUpdate": update}
         self._load(
-            fmi3.FMU3Slave, lambda fmu: fmu.instantiate(logMessage=log, loggingOn=True, **(asked if self._followed else {}))
+            fmi3.FMU3Slave,
+            lambda fmu: fmu.instantiate(logMessage=log, loggingOn=True, **(asked if self._followed else {})),
         )
 
     def save(self) -> Any:

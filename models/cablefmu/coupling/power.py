@@ -50,7 +50,9 @@ def bonds_of(
         there = [c for c in connections if c.source == flow and c.target.model == effort.model and c.gain]
         back = [c for c in connections if c.source == effort and c.target.model == flow.model and c.gain]
         if len(there) != 1 or len(back) != 1:
-            text = f"one connection from {flow} to model {effort.model} and one from {effort} to {flow.model} are expected"
+            text = (
+                f"one connection from {flow} to model {effort.model} and one from {effort} to {flow.model} are expected"
+            )
             mistakes.append(Mistake(key, text))
             continue
         units = [models[v.model].unit(v.name) for v in (flow, effort)]

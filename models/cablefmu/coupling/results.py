@@ -30,7 +30,9 @@ class Recording:
 
     @property
     def variables(self) -> list[Variable]:
-        return [Variable(name, output) for name, model in self.system.models.items() for output in model.names("output")]
+        return [
+            Variable(name, output) for name, model in self.system.models.items() for output in model.names("output")
+        ]
 
     @property
     def bonds(self) -> Sequence[Bond]:
@@ -40,7 +42,9 @@ class Recording:
         """Values at a communication point; `inputs` as they were just before it."""
         powers = [bond.powers(outputs, inputs) for bond in self.bonds]
         self.times.append(time)
-        self.rows.append([*(outputs[v] for v in self.variables), *(p for pair in powers for p in (pair[0], pair[0] - pair[1]))])
+        self.rows.append(
+            [*(outputs[v] for v in self.variables), *(p for pair in powers for p in (pair[0], pair[0] - pair[1]))]
+        )
 
 
 def make_dataset(recording: Recording, statistics: Mapping[str, float]) -> xr.Dataset:
@@ -55,10 +59,12 @@ def make_dataset(recording: Recording, statistics: Mapping[str, float]) -> xr.Da
         described.append((str(variable), unit.name if unit else "", text))
     for bond in recording.bonds:
         described.append((f"power.{bond.name}", "W", f"{bond.flow.source} times the effort that its model is given"))
-        described.append((f"power.{bond.name}.residual", "W", "Power in minus power out of the connections, at the end of a step"))
+        described.append(
+            (f"power.{bond.name}.residual", "W", "Power in minus power out of the connections, at the end of a step")
+        )
     values = np.asarray(recording.rows, dtype=float).reshape(len(recording.times), len(described))
-    for column, (name, unit, text) in enumerate(described):
-        result[name] = ("time", values[:, column], {"units": unit, "long_name": text})
+    for column, (name, units, text) in enumerate(described):
+        result[name] = ("time", values[:, column], {"units": units, "long_name": text})
     result.attrs = {
         "title": system.coupling.name,
         "summary": settings.description,

@@ -68,7 +68,9 @@ def run_system(system: System, progress: Progress | None = None) -> xr.Dataset:
         may_repeat = settings.adaptive is not None and system.can_repeat
         step = make_stepper(system, partners, exchange, may_repeat=may_repeat)
         control = (
-            Adaptive(system, partners, exchange, step, settings.adaptive) if settings.adaptive else Constant(system, step)
+            Adaptive(system, partners, exchange, step, settings.adaptive)
+            if settings.adaptive
+            else Constant(system, step)
         )
         try:
             outputs = initialise(system, partners, exchange)

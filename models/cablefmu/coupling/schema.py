@@ -77,8 +77,8 @@ class ModelSpec(Table):
     """A partner FMU that ships with this package."""
     fmi: Literal[2, 3] | None = None
     """Version of FMI that a scene is built for."""
-    parameters: dict[str, Value] = {}
-    inputs: dict[str, Number] = {}
+    parameters: Annotated[dict[str, Value], Field(default_factory=dict)]
+    inputs: Annotated[dict[str, Number], Field(default_factory=dict)]
     """Constant values of inputs that nothing is connected to."""
     feedthrough: bool = True
     """false: where its description leaves open what an output depends on, it is the state alone."""

@@ -44,7 +44,11 @@ def make_stepper(system: System, partners: Mapping[str, Partner], exchange: Exch
 
     `may_repeat`: whether the master may take whole steps back, which models must be told of.
     """
-    kinds = {"jacobi": _Jacobi, "gauss-seidel": _GaussSeidel, "iterated": _Iterated}
+    kinds: dict[str, type[_Jacobi | _GaussSeidel | _Iterated]] = {
+        "jacobi": _Jacobi,
+        "gauss-seidel": _GaussSeidel,
+        "iterated": _Iterated,
+    }
     return kinds[system.settings.algorithm](system, partners, exchange, is_final=not may_repeat)
 
 
@@ -72,7 +76,9 @@ class _Base:
         self.is_final = is_final
         self.order = system.order
 
-    def advance(self, name: str, time: float, end: float, newest: Mapping[int, Sample], used: dict[Variable, float]) -> None:
+    def advance(
+        self, name: str, time: float, end: float, newest: Mapping[int, Sample], used: dict[Variable, float]
+    ) -> None:
         """Step one model with inputs through these newest samples; what they are at the end goes to `used`."""
         numbers = self.exchange.into(name)
         polynomials = [self.exchange.polynomial(k, newest.get(k)) for k in numbers]
@@ -147,8 +153,8 @@ class _Iterated(_Base):
             residual = np.zeros(len(connections))
             residual[free] = error.residual
             most = self.system.settings.iteration.most
-            text = f"the step from t = {time:.12g} s did not agree after {most} iterations: {worst(residual, self.exchange)}"
-            raise RunError(text) from None
+            where = worst(residual, self.exchange)
+            raise RunError(f"the step from t = {time:.12g} s did not agree in {most} iterations: {where}") from None
         finally:
             for name, state in states.items():
                 self.partners[name].forget(state)

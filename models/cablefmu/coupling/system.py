@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..scene_mistakes import Mistake
@@ -67,7 +67,9 @@ class System:
         notes = []
         if self.settings.extrapolation and self.holding:
             names = ", ".join(map(str, self.holding))
-            notes.append(f"held inside a step at the value extrapolated to its end, as the FMU takes no slopes: {names}")
+            notes.append(
+                f"held inside a step at the value extrapolated to its end, as the FMU takes no slopes: {names}"
+            )
         if self.settings.adaptive and not self.can_repeat:
             names = ", ".join(name for name, model in self.models.items() if not model.can_roll_back)
             notes.append(f"no step is repeated, as these models cannot be rolled back: {names}")
@@ -94,6 +96,7 @@ def opened(coupling: Coupling) -> Iterator[System]:
     try:
         models = open_models(coupling, folder, mistakes)
         connections = connect(coupling.spec, models, mistakes)
+        models = {name: _without_fed(model, connections) for name, model in models.items()}
         bonds = bonds_of(coupling.spec, models, connections, mistakes)
         system = System(coupling, models, connections, bonds, loops(models, connections))
         mistakes += _wrong_settings(system)
@@ -102,6 +105,12 @@ def opened(coupling: Coupling) -> Iterator[System]:
         yield system
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _without_fed(model: Model, connections: Sequence[Connection]) -> Model:
+    """With constant values for those inputs alone that nothing is connected to."""
+    fed = {c.target.name for c in connections if c.target.model == model.name}
+    return replace(model, constants={name: value for name, value in model.constants.items() if name not in fed})
 
 
 def _wrong_settings(system: System) -> Iterator[Mistake]:
