@@ -47,7 +47,7 @@ def connect(spec: FileSpec, models: Mapping[str, Model], mistakes: list[Mistake]
                 mistakes.append(Mistake(f"connection {k}, {connection}", text))
                 continue
             connections.append(connection)
-    mistakes += _unfed(models, connections)
+    mistakes += _unfed(spec, models, connections)
     return connections
 
 
@@ -157,21 +157,18 @@ def _gain_wanted(source: Unit, target: Unit) -> str:
     return f"{source.name} is not {target.name}; gain = {source.factor / target.factor:g} is expected"
 
 
-def _unfed(models: Mapping[str, Model], connections: list[Connection]) -> Iterator[Mistake]:
-    """Inputs with no source, or with two."""
+def _unfed(spec: FileSpec, models: Mapping[str, Model], connections: list[Connection]) -> Iterator[Mistake]:
+    """Inputs with no source, or with two; not those whose source has a mistake of its own."""
     fed = {connection.target: connection for connection in connections}
+    meant = {table.to for table in spec.connection}
+    all_known = len(models) == len(spec.model)
     for model in models.values():
         for name in model.names("input"):
             variable = Variable(model.name, name)
             if variable in fed and name in model.spec.inputs:
-                yield Mistake(
-                    f"input {variable}", f"has a source, {fed[variable]}, and a constant value; one is allowed"
-                )
-            elif variable not in fed and name not in model.constants:
-                scene = (
-                    model.scene is not None and " (in the scene it varies over time, which a coupling does not feed)"
-                )
-                yield Mistake(
-                    f"input {variable}",
-                    f"has no source{scene or ''}; a connection to it or inputs.{name} of its model is expected",
-                )
+                text = f"has a source, {fed[variable]}, and a constant value; one is allowed"
+                yield Mistake(f"input {variable}", text)
+            elif all_known and str(variable) not in meant and variable not in fed and name not in model.constants:
+                varies = " (in the scene it varies over time, which a coupling does not feed)" if model.scene else ""
+                text = f"has no source{varies}; a connection to it or inputs.{name} of its model is expected"
+                yield Mistake(f"input {variable}", text)

@@ -33,6 +33,17 @@ class Exchange:
         """Connections that end at a model."""
         return self._into[model]
 
+    def backward(self, order: Sequence[str]) -> list[int]:
+        """Connections from a model to itself or one before it in this order: what a pass through it must guess."""
+        place = {name: k for k, name in enumerate(order)}
+        within = [k for k, c in enumerate(self.connections) if {c.source.model, c.target.model} <= place.keys()]
+        ends = {k: (self.connections[k].source.model, self.connections[k].target.model) for k in within}
+        return [k for k, (source, target) in ends.items() if place[source] >= place[target]]
+
+    def out_of(self, model: str) -> list[int]:
+        """Connections that begin at a model."""
+        return [k for k, c in enumerate(self.connections) if c.source.model == model]
+
     def inputs(self, model: str) -> list[str]:
         """Connected inputs of a model."""
         return [self.connections[k].target.name for k in self._into[model]]

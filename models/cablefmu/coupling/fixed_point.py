@@ -1,12 +1,11 @@
 """Values w with G(w) = w: what an iterated step and the start of a coupling look for.
 
 G is one evaluation of all models. Plain repetition, w <- G(w), diverges where a vessel is lighter than the cable
-that it carries: the error is multiplied by minus the ratio of their masses. Two remedies, both without derivatives:
-
-* Aitken: w <- w + omega r with r = G(w) - w and omega <- -omega r_old.(r - r_old)/|r - r_old|^2, one number for all.
-* quasi-Newton: the combination of what was tried whose residuals cancel in the least-squares sense, w <- G(w) + W c,
-  c = argmin |V c + r|, with the changes of residuals in V and of G in W (IQN-ILS; Degroote, Bathe and Vierendeels,
-  2009; the same as Anderson's mixing). In a linear problem of m values it ends after at most m + 2 evaluations.
+that it carries: the error is multiplied by minus the ratio of their masses. The interface quasi-Newton method takes the
+combination of what was tried whose residuals r = G(w) - w cancel in the least-squares sense, w <- G(w) + W c,
+c = argmin |V c + r|, with the changes of residuals in V and of G in W (IQN-ILS; Degroote, Bathe and Vierendeels,
+2009; the same as Anderson's mixing). It needs no derivatives, and in a linear problem of m values ends after at most
+m + 2 evaluations.
 """
 
 from __future__ import annotations
@@ -24,8 +23,6 @@ __all__ = ["Found", "NotFoundError", "solve"]
 
 _SMALLEST = 1e-12
 """Of the largest singular value: directions that say less are rounding."""
-_FIRST = 0.5
-"""Aitken's first omega."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,22 +53,6 @@ class _Plain:
 
 
 @dataclass(slots=True)
-class _Aitken:
-    omega: float = _FIRST
-    before: Floats | None = None
-
-    def next(self, tried: Floats, given: Floats) -> Floats:
-        residual = given - tried
-        if self.before is not None:
-            change = residual - self.before
-            square = float(change @ change)
-            if square > 0.0:
-                self.omega *= -float(self.before @ change) / square
-        self.before = residual
-        return tried + self.omega * residual
-
-
-@dataclass(slots=True)
 class _QuasiNewton:
     residuals: list[Floats] = field(default_factory=list)
     givens: list[Floats] = field(default_factory=list)
@@ -88,7 +69,7 @@ class _QuasiNewton:
         return np.asarray(given + W @ c, dtype=float)
 
 
-_METHODS: dict[str, Callable[[], _Method]] = {"quasi-newton": _QuasiNewton, "aitken": _Aitken, "none": _Plain}
+_METHODS: dict[str, Callable[[], _Method]] = {"quasi-newton": _QuasiNewton, "none": _Plain}
 
 
 def solve(evaluate: Callable[[Floats], Floats], first: Floats, scale: Floats, settings: IterationSpec) -> Found:

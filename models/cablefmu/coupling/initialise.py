@@ -29,18 +29,23 @@ def initialise(system: System, partners: Mapping[str, Partner], exchange: Exchan
     for partner in partners.values():
         partner.enter_initialisation(settings.stop_time, settings.tolerance)
 
-    def evaluate(values: Floats) -> Floats:
-        for name, partner in partners.items():
-            partner.set([float(values[k]) for k in exchange.into(name)])
-        return exchange.values(outputs_of(partners))
+    order = system.order
+    guessed = exchange.backward(order)
 
-    first = exchange.values(outputs_of(partners))
-    # Without a loop plain repetition ends after as many rounds as there are models in a row.
-    plain = {} if system.loops else {"acceleration": "none", "most": max(settings.iteration.most, len(partners) + 1)}
+    def evaluate(values: Floats) -> Floats:
+        inputs = dict(zip(guessed, map(float, values), strict=True))
+        for name in order:
+            partners[name].set([inputs[k] for k in exchange.into(name)])
+            numbers = exchange.out_of(name)
+            said = exchange.values(outputs_of({name: partners[name]}), numbers)
+            inputs |= dict(zip(numbers, map(float, said), strict=True))
+        return exchange.values(outputs_of(partners), guessed)
+
+    first = exchange.values(outputs_of(partners), guessed)
     try:
-        solve(evaluate, first, exchange.scale, settings.iteration.model_copy(update=plain))
+        solve(evaluate, first, exchange.scale[guessed], settings.iteration)
     except NotFoundError as error:
-        raise RunError(f"no initial values that agree were found: {worst(error.residual, exchange)}") from None
+        raise RunError(f"no initial values that agree were found: {worst(error.residual, guessed, exchange)}") from None
     for partner in partners.values():
         partner.exit_initialisation()
     return outputs_of(partners)

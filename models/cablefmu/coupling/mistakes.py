@@ -45,6 +45,8 @@ def mistakes_of(error: ValidationError) -> list[Mistake]:
     """What pydantic found; of a value of several allowed kinds the first refusal stands for all."""
     found: dict[str, Mistake] = {}
     for details in error.errors(include_url=False):
+        if details["type"] == "too_short" and details["input"]:
+            continue  # entries that were refused themselves do not count
         mistake = _mistake(dict(details))
         found.setdefault(mistake.key, mistake)
     return list(found.values())
@@ -57,9 +59,12 @@ def _mistake(details: dict[str, Any]) -> Mistake:
     last = names[-1] if names else ""
     if "parameters" in names:
         return Mistake(key, "a number, true or false, or a text is expected", value)
+    if location == ("model",) and kind in ("missing", "too_short"):
+        return Mistake(key, "at least one table [[model]] is expected")
+    if last == "ports":
+        return Mistake(key, _PATTERNS[last], value)
     if kind == "missing":
-        text = "at least one table is expected" if location == ("model",) else "this key is missing"
-        return Mistake(key, text)
+        return Mistake(key, "this key is missing")
     if kind == "extra_forbidden":
         table = _TABLES[names[-2] if len(names) > 1 else ""]
         keys = [field.alias or name for name, field in table.model_fields.items()]
@@ -69,7 +74,7 @@ def _mistake(details: dict[str, Any]) -> Mistake:
         return Mistake(
             key, nearest(given, re.findall(r"[\w-]+", details["ctx"]["expected"].replace(" or ", " "))), value
         )
-    if kind == "string_pattern_mismatch" or last == "ports":
+    if kind == "string_pattern_mismatch":
         return Mistake(key, _PATTERNS[last], value)
     if kind in ("greater_than_equal", "less_than_equal", "int_type", "int_from_float"):
         expected = "0, 1 or 2" if last == "extrapolation" else "a whole number from 1 to 1000"

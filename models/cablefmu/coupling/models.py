@@ -15,8 +15,8 @@ from fmpy import extract, read_model_description
 from fmpy.model_description import BaseUnit, ModelDescription, ModelVariable
 from pythonfmu import FmuBuilder
 
-from ..errors import UserError
-from ..fmu.archive import build_fmu
+from ..errors import FmuError, UserError
+from ..fmu.archive import build_fmu, open_fmu
 from ..fmu.platforms import for_this_machine
 from ..scene import Scene, load_scene
 from ..scene_mistakes import Mistake, nearest
@@ -74,8 +74,7 @@ class Model:
     @property
     def can_roll_back(self) -> bool:
         """Whether its complete state can be taken and put back."""
-        offered = self.description.coSimulation
-        return bool(offered.canGetAndSetFMUstate if self.fmi == 2 else offered.canGetAndSetFMUState)
+        return bool(self.description.coSimulation.canGetAndSetFMUstate)  # FMPy's name for both versions
 
     @property
     def can_vary_step(self) -> bool:
@@ -86,7 +85,13 @@ class Model:
         offered = self.description.coSimulation
         if self.fmi == 2:
             return bool(offered.canInterpolateInputs)
-        return bool(offered.providesIntermediateUpdate and self.variables[name].intermediateUpdate)
+        return bool(offered.providesIntermediateUpdate) and name in self._updated
+
+    @cached_property
+    def _updated(self) -> set[str]:
+        """Variables that can be set inside a step; FMPy does not read that attribute."""
+        root = ET.parse(self.folder / "modelDescription.xml").getroot()
+        return {v.attrib["name"] for v in root.iter() if v.get("intermediateUpdate") in ("true", "1")}
 
     def feedthrough(self, output: str) -> list[str]:
         """Inputs that an output depends on at once; all, where the description leaves it open."""
@@ -141,7 +146,7 @@ def open_models(coupling: Coupling, folder: Path, mistakes: list[Mistake]) -> di
             model = _open(coupling, spec, folder)
         except (UserError, _RefusedError) as error:
             key = next(key for key in ("scene", "fmu", "partner") if getattr(spec, key) is not None)
-            mistakes.append(Mistake(f"model {k}.{key}", str(error), getattr(spec, key)))
+            mistakes.append(Mistake(f"model {k}.{key}", str(error)))  # which says what was named
             continue
         mistakes += [Mistake(f"model {k}.{key}", text, value) for key, text, value in _wrong_values(model)]
         models[spec.name] = model
@@ -166,6 +171,7 @@ def _open(coupling: Coupling, spec: ModelSpec, folder: Path) -> Model:
     if spec.fmi is not None and scene is None:
         raise _RefusedError("fmi is for scenes, whose FMUs are built; leave it out")
     description = _read(path)
+    scene = scene or _scene_in(path)
     extract(str(path), unzipdir=str(folder / spec.name))
     constants = dict(spec.inputs)
     if scene is not None:
@@ -186,6 +192,14 @@ def _read(path: Path) -> ModelDescription:
     return description
 
 
+def _scene_in(path: Path) -> Scene | None:
+    """The scene that an FMU of ours was made of; None for everybody else's."""
+    try:
+        return open_fmu(path).scene
+    except FmuError:
+        return None
+
+
 def shipped_partners() -> dict[str, Any]:
     """Scripts of partner FMUs that ship and can be built as they are."""
     folder = resources.files("cablefmu") / "binaries" / "partners"
@@ -199,7 +213,7 @@ _PARTNERS = ("spring", "wave_force")
 def _build_partner(name: str, folder: Path) -> Path:
     scripts = shipped_partners()
     if name not in scripts:
-        raise _RefusedError(f"no such partner ships; {nearest(name, scripts)}")
+        raise _RefusedError(f'no partner "{name[:60]}" ships; {nearest(name, scripts)}')
     folder.mkdir()
     script = folder / f"{name}.py"
     script.write_bytes(scripts[name].read_bytes())

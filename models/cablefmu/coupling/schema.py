@@ -29,7 +29,7 @@ class IterationSpec(Table):
     """Of a connection's value, relative to the largest that it had so far (at least its nominal)."""
     most: Annotated[int, Field(ge=1, le=1000)] = 30
     """Iterations in one step; more are an error."""
-    acceleration: Literal["quasi-newton", "aitken", "none"] = "quasi-newton"
+    acceleration: Literal["quasi-newton", "none"] = "quasi-newton"
 
 
 class AdaptiveSpec(Table):

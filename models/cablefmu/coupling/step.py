@@ -1,14 +1,14 @@
 """One communication step of all models, in three ways.
 
 Jacobi: all models step with inputs from the past. Gauss-Seidel: one after the other, with what those before said of the
-step's end. Iterated: all again and again from the same state, until what they were given for the end is what they say
+step's end. Iterated: so again and again from the same state, until what they were given for the end is what they say
 there. An input follows a polynomial through its newest samples, of the order `extrapolation`: of the past in
 Jacobi, where it extrapolates, through the end of the step where that is known.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,10 +57,11 @@ def outputs_of(partners: Mapping[str, Partner]) -> dict[Variable, float]:
     return {variable: value for partner in partners.values() for variable, value in _read(partner).items()}
 
 
-def worst(residual: Floats, exchange: Exchange) -> str:
-    """The connection that agrees least, in words."""
-    k = int(np.argmax(np.where(np.isfinite(residual), residual, np.inf)))
-    return f"{exchange.connections[k]} still changes by {residual[k]:.3g} of its size {exchange.scale[k]:.3g}"
+def worst(residual: Floats, numbers: Sequence[int], exchange: Exchange) -> str:
+    """The connection, of these numbers, that agrees least, in words."""
+    place = int(np.argmax(np.where(np.isfinite(residual), residual, np.inf)))
+    k = numbers[place]
+    return f"{exchange.connections[k]} still changes by {residual[place]:.3g} of its size {exchange.scale[k]:.3g}"
 
 
 def _read(partner: Partner) -> dict[Variable, float]:
@@ -91,6 +92,24 @@ class _Base:
             for k, polynomial in zip(numbers, polynomials, strict=True)
         )
 
+    def pass_through(
+        self, order: Sequence[str], time: float, end: float, newest: Mapping[int, Sample]
+    ) -> tuple[dict[Variable, float], dict[Variable, float]]:
+        """Step models one after the other, each with what those before it said of the end; outputs and inputs there."""
+        known = dict(newest)
+        outputs: dict[Variable, float] = {}
+        used: dict[Variable, float] = {}
+        for name in order:
+            self.advance(name, time, end, known, used)
+            outputs |= _read(self.partners[name])
+            known |= self.said([name], end, outputs)
+        return outputs, used
+
+    def said(self, names: Sequence[str], end: float, outputs: Outputs) -> dict[int, Sample]:
+        """Samples for the connections that come from these models."""
+        numbers = [k for k, c in enumerate(self.exchange.connections) if c.source.model in names]
+        return {k: (end, float(v)) for k, v in zip(numbers, self.exchange.values(outputs, numbers), strict=True)}
+
     def _fed_by(self, numbers: list[int], polynomials: list[Polynomial], time: float) -> str:
         fed = zip(numbers, polynomials, strict=True)
         said = ", ".join(f"{self.exchange.connections[k]} = {polynomial(time):.6g}" for k, polynomial in fed)
@@ -107,55 +126,41 @@ class _Jacobi(_Base):
 
 class _GaussSeidel(_Base):
     def __call__(self, time: float, end: float) -> Ended:
-        used: dict[Variable, float] = {}
-        outputs: dict[Variable, float] = {}
-        newest: dict[int, Sample] = {}
-        for name in self.order:
-            self.advance(name, time, end, newest, used)
-            outputs |= _read(self.partners[name])
-            known = [k for k, c in enumerate(self.exchange.connections) if c.source.model == name]
-            newest |= {k: (end, float(v)) for k, v in zip(known, self.exchange.values(outputs, known), strict=True)}
-        return Ended(outputs, used)
+        return Ended(*self.pass_through(self.order, time, end, {}))
 
 
 class _Iterated(_Base):
+    """Passes as in Gauss-Seidel, with guesses for what goes backward, until the guesses come true.
+
+    Models without connected inputs are stepped once. All connections agree then at the step's end.
+    """
+
     def __call__(self, time: float, end: float) -> Ended:
-        repeated = self.system.iterated
-        outputs: dict[Variable, float] = {}
-        used: dict[Variable, float] = {}
-        for name in self.order:
-            if name not in repeated:
-                self.advance(name, time, end, {}, used)
-                outputs |= _read(self.partners[name])
-        connections = self.exchange.connections
-        fixed = [k for k, c in enumerate(connections) if c.source.model not in repeated]
-        free = [k for k in range(len(connections)) if k not in fixed]
-        newest = {k: (end, float(v)) for k, v in zip(fixed, self.exchange.values(outputs, fixed), strict=True)}
+        repeated = [name for name in self.order if name in self.system.iterated]
+        sources = [name for name in self.order if name not in repeated]
+        outputs, used = self.pass_through(sources, time, end, {})
+        known = self.said(sources, end, outputs)
+        guessed = self.exchange.backward(repeated)
         states = {name: self.partners[name].save() for name in repeated}
-        evaluated = False
+        ended: list[Ended] = []
 
         def evaluate(values: Floats) -> Floats:
-            nonlocal evaluated
-            if evaluated:
+            if ended:
                 for name in repeated:
                     self.partners[name].restore(states[name])
-            evaluated = True
-            newest.update((k, (end, float(value))) for k, value in zip(free, values, strict=True))
-            for name in repeated:
-                self.advance(name, time, end, newest, used)
-                outputs.update(_read(self.partners[name]))
-            return self.exchange.values(outputs, free)
+            guesses = {k: (end, float(value)) for k, value in zip(guessed, values, strict=True)}
+            found, inputs = self.pass_through(repeated, time, end, known | guesses)
+            ended.append(Ended(outputs | found, used | inputs, len(ended) + 1))
+            return self.exchange.values(found, guessed)
 
-        guess = np.array([self.exchange.polynomial(k)(end) for k in free])
+        first = np.array([self.exchange.polynomial(k)(end) for k in guessed])
         try:
-            count = solve(evaluate, guess, self.exchange.scale[free], self.system.settings.iteration).evaluations
+            solve(evaluate, first, self.exchange.scale[guessed], self.system.settings.iteration)
         except NotFoundError as error:
-            residual = np.zeros(len(connections))
-            residual[free] = error.residual
+            where = worst(error.residual, guessed, self.exchange)
             most = self.system.settings.iteration.most
-            where = worst(residual, self.exchange)
             raise RunError(f"the step from t = {time:.12g} s did not agree in {most} iterations: {where}") from None
         finally:
             for name, state in states.items():
                 self.partners[name].forget(state)
-        return Ended(outputs, used, count)
+        return ended[-1]
