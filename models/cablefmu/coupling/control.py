@@ -45,7 +45,8 @@ class Adaptive:
     The error of a step of length h with inputs of order p goes with h^(p+1): the next is
     0.9 h (tolerance / error)^(1/(p+1)), at most twice as long. The error is how far inputs came out from where they
     were extrapolated to, or the power residual. A step with too large an error is repeated where every model can
-    be rolled back, and counted where not.
+    be rolled back, and counted where not. While there are too few samples for order p, at the start, steps are of the
+    smallest length and not judged.
     """
 
     def __init__(
@@ -59,24 +60,26 @@ class Adaptive:
 
     def steps(self) -> Iterator[Taken]:
         time, stop = 0.0, self._system.settings.stop_time
-        size = min(max(self._system.settings.step, self._adaptive.smallest), self._adaptive.largest)
-        for _ in range(_MOST_STEPS):
+        smallest, largest = self._adaptive.smallest, self._adaptive.largest
+        size = min(max(self._system.settings.step, smallest), largest)
+        for count in range(_MOST_STEPS):
+            judged = count >= self._exchange.order
+            size = size if judged else smallest
             end = stop if time + size * (1.0 + 1e-9) >= stop else time + size
-            ended, error, where = self._tried(time, end)
+            ended, error, where = self._tried(time, end, judged=judged)
             while error > 1.0 and self._system.can_repeat:
                 self.rejected += 1
-                smallest = self._adaptive.smallest
                 if end - time <= smallest:
                     raise RunError(f"{where}: a step below {smallest:g} s would be needed at t = {time:.12g} s")
                 size = max(self._next(end - time, error), smallest)
                 end = time + size
-                ended, error, where = self._tried(time, end)
+                ended, error, where = self._tried(time, end, judged=True)
             self._remember(ended)
             self.rejected += error > 1.0
             yield time, end, ended
             if end == stop:
                 return
-            size = min(max(self._next(end - time, error), self._adaptive.smallest), self._adaptive.largest)
+            size = min(max(self._next(end - time, error), smallest), largest)
             time = end
         raise RunError(f"more than {_MOST_STEPS:,} steps")
 
@@ -85,7 +88,7 @@ class Adaptive:
         factor = _GROW if error == 0.0 else _SAFETY * error ** (-1.0 / order)
         return size * min(max(factor, _SHRINK), _GROW)
 
-    def _tried(self, time: float, end: float) -> tuple[Ended, float, str]:
+    def _tried(self, time: float, end: float, *, judged: bool) -> tuple[Ended, float, str]:
         """One step, its error in units of the tolerance, and where that was; taken back if it will be repeated."""
         expected = np.array([self._exchange.polynomial(k)(end) for k in range(len(self._exchange.connections))])
         states = _saved(self._partners) if self._system.can_repeat else {}
@@ -93,7 +96,7 @@ class Adaptive:
             ended = self._step(time, end)
             errors, names = self._errors(ended, expected)
             k = int(np.argmax(errors)) if errors.size else 0
-            error, where = (float(errors[k]), names(k)) if errors.size else (0.0, "")
+            error, where = (float(errors[k]), names(k)) if errors.size and judged else (0.0, "")
             if error > 1.0:
                 for name, state in states.items():
                     self._partners[name].restore(state)

@@ -18,6 +18,7 @@ def components(nodes: Iterable[Node], successors: Mapping[Node, Sequence[Node]])
     index: dict[Node, int] = {}
     low: dict[Node, int] = {}
     stack: list[Node] = []
+    waiting: set[Node] = set()  # those on the stack
     found: list[list[Node]] = []
     for root in nodes:
         work = [(root, 0)] if root not in index else []
@@ -26,19 +27,22 @@ def components(nodes: Iterable[Node], successors: Mapping[Node, Sequence[Node]])
             if k == 0:
                 index[node] = low[node] = len(index)
                 stack.append(node)
+                waiting.add(node)
             following = successors.get(node, ())
-            if k and following[k - 1] in stack:
+            if k and following[k - 1] in waiting:
                 low[node] = min(low[node], low[following[k - 1]])
             while k < len(following) and following[k] in index:
-                if following[k] in stack:
+                if following[k] in waiting:
                     low[node] = min(low[node], low[following[k]])
                 k += 1
             if k < len(following):
                 work += [(node, k + 1), (following[k], 0)]
             elif low[node] == index[node]:
-                start = stack.index(node)
-                found.append(stack[start:])
-                del stack[start:]
+                group = [stack.pop()]
+                while group[-1] != node:
+                    group.append(stack.pop())
+                waiting -= set(group)
+                found.append(group[::-1])
     return found[::-1]
 
 

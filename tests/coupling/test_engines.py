@@ -1,0 +1,142 @@
+"""Three engines on one coupling, what the exports say, and what engines cannot do."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.ssp.ssd import read_ssd, read_ssv
+from lxml import etree
+
+from cablefmu.coupling.description import Coupling
+from cablefmu.coupling.engines import ENGINES, run_with
+from cablefmu.coupling.export_osp import STRUCTURE, write_osp
+from cablefmu.coupling.export_ssp import PARAMETERS, write_ssp
+from cablefmu.coupling.system import System, opened
+from cablefmu.errors import OptionError
+from tests.coupling.oscillators import oscillators
+
+ROUNDING = 1e-11
+"""Of every output's largest value: the engines' times differ in their last digits, as libcosim counts nanoseconds and FMPy
+adds up steps, and 0.02 of them do so little in 100 steps."""
+
+# The FMUs' own default, as neither engine passes a tolerance on.
+DEFAULT = ("tolerance = 1e-11", "tolerance = 1e-6")
+
+
+def _coupling(cables: Path, *, start: float = 0.0) -> Coupling:
+    """The oscillators without a gain, which FMPy's runner does not know; the spring pulls at the start if asked."""
+    text = (
+        oscillators(cables)
+        .text.replace(*DEFAULT)
+        .replace('"spring.F_a"\nto = "b.u_m1"\ngain = -1', '"spring.F_b"\nto = "b.u_m1"')
+    )
+    return Coupling.from_text(text.replace("= 0.3", f"= {start}").replace("= -0.2", "= 0.0"), name="two", folder=cables)
+
+
+@pytest.fixture(scope="module")
+def quiet(cables: Path) -> Iterator[System]:
+    """Nothing pulls at the start: an input of 0 in the first step is right. A wave moves both."""
+    text = _coupling(cables).text
+    wave = '[[model]]\nname = "wave"\npartner = "wave_force"\nparameters = { amplitude = 20, period = 1, ramp = 0.5 }\n'
+    text += wave + '[[connection]]\nfrom = "wave.force"\nto = "a.F_cy"\n'
+    with opened(Coupling.from_text(text, name="quiet", folder=cables)) as system:
+        yield system
+
+
+@pytest.mark.parametrize("engine", ["libcosim", "fmpy-ssp"])
+def test_engines_agree_but_for_rounding(engine: str, quiet: System) -> None:
+    own, other = run_with("own", quiet), run_with(engine, quiet)
+    assert other["time"].values == pytest.approx(own["time"].values[1:])
+    assert other.attrs["engine"] == engine
+    for name in ("a.y_m1", "a.v_m1", "b.y_m1", "spring.F_a", "wave.force", "a.tension_top"):
+        found, expected = other[name].values, own[name].values[1:]
+        assert np.abs(expected).max() > 0.01
+        assert np.abs(found - expected).max() < ROUNDING * np.abs(expected).max(), name
+
+
+def test_what_differs_at_a_start_under_force_is_the_first_step_alone(cables: Path) -> None:
+    """libcosim initialises as this master does; FMPy's runner begins with all inputs 0.
+
+    Mass a misses the spring's force of 75 N for one step of 0.02 s: 75 N * 0.02 s / 13.5 kg = 0.11 m/s.
+    """
+    with opened(_coupling(cables, start=0.3)) as system:
+        own, libcosim, fmpy = (run_with(engine, system) for engine in ("own", "libcosim", "fmpy-ssp"))
+    expected = own["a.v_m1"].values[1:]
+    assert np.abs(libcosim["a.v_m1"].values - expected).max() < ROUNDING * 3.0
+    assert fmpy["a.v_m1"].values[0] - expected[0] == pytest.approx(75.0 * 0.02 / 13.466, rel=0.02)
+
+
+def test_ssp_is_what_the_schemas_want_and_holds_the_fmus(quiet: System, tmp_path: Path) -> None:
+    path = write_ssp(quiet, tmp_path / "quiet.ssp")
+    ssd = read_ssd(str(path))  # both validate against the schemas of SSP 1.0 that FMPy ships
+    values = {parameter.name: parameter.value for parameter in read_ssv(str(path), resource=PARAMETERS).parameters}
+    assert [component.name for component in ssd.system.elements] == ["a", "b", "spring", "wave"]
+    assert [component.source for component in ssd.system.elements][0] == "resources/a.fmu"
+    assert len(ssd.system.connections) == 7
+    assert float(values["spring.stiffness"]) == 250.0 and float(values["a.F_cx"]) == 0.0
+    assert "a.u_m1" not in values  # it is connected
+    with zipfile.ZipFile(path) as archive:
+        assert archive.read("resources/a.fmu") == quiet.models["a"].path.read_bytes()
+
+
+def test_ssp_and_osp_say_gains_in_their_own_way(cables: Path, tmp_path: Path) -> None:
+    with opened(oscillators(cables)) as system:
+        write_ssp(system, tmp_path / "x.ssp")
+        structure = etree.parse(write_osp(system, tmp_path / "osp"))
+    with zipfile.ZipFile(tmp_path / "x.ssp") as archive:
+        ssd = etree.fromstring(archive.read("SystemStructure.ssd"))
+    (scaled,) = ssd.iter("{*}LinearTransformation")
+    assert float(scaled.get("factor")) == -1.0
+    assert scaled.getparent().get("endElement") == "b"
+    (function,) = structure.iter("{*}LinearTransformation")
+    assert (function.get("name"), float(function.get("factor"))) == ("gain_6", -1.0)
+    ends = [[child.attrib.values() for child in c] for c in structure.iter("{*}SignalConnection")]
+    assert ends == [[["spring", "F_a"], ["gain_6", "in"]], [["gain_6", "out"], ["b", "u_m1"]]]
+    assert (tmp_path / "osp" / STRUCTURE).is_file() and (tmp_path / "osp" / "spring.fmu").is_file()
+
+
+def test_libcosim_applies_gains(cables: Path) -> None:
+    text = oscillators(cables).text.replace(*DEFAULT)
+    with opened(Coupling.from_text(text, name="two", folder=cables)) as system:
+        own, other = run_with("own", system), run_with("libcosim", system)
+    assert np.abs(other["b.y_m1"].values - own["b.y_m1"].values[1:]).max() < ROUNDING
+
+
+@pytest.mark.parametrize(
+    ("engine", "old", "new", "reason"),
+    [
+        ("libcosim", '"jacobi"', '"gauss-seidel"', 'algorithm = "gauss-seidel" is not in it; "jacobi" is expected'),
+        ("fmpy-ssp", "extrapolation = 0", "extrapolation = 2", "extrapolation = 2: it holds inputs; 0 is expected"),
+        ("libcosim", "step = 0.02", "step = 0.03", "stop_time = 2.0 s: a multiple of the step is expected"),
+        ("fmpy-ssp", "a-2.fmu", "a-3.fmu", "model a is of FMI 3; 2 is expected"),
+        ("libcosim", "a-2.fmu", "a-3.fmu", "model a is of FMI 3; 2 is expected"),
+        (
+            "libcosim",
+            "tolerance",
+            "adaptive = { tolerance = 1, smallest = 1, largest = 1 }\ntolerance",
+            "leave adaptive out",
+        ),
+        ("fmpy-ssp", "gain = -1", "gain = -2", "connection spring.F_a -> b.u_m1: it knows no gain"),
+        ("libcosim", "step = 0.02", "step = 6.25e-10", "a whole number of nanoseconds is expected"),
+    ],
+)
+def test_what_an_engine_cannot_do_is_refused_before_the_run(
+    engine: str, old: str, new: str, reason: str, cables: Path
+) -> None:
+    text = oscillators(cables).text
+    assert old in text
+    if "e-10" in new:
+        text = text.replace("stop_time = 2", "stop_time = 6.25e-9")
+    text = text.replace(old, new).replace("tolerance = 1,", "tolerance = 0.1,")
+    with opened(Coupling.from_text(text, name="two", folder=cables)) as system:
+        with pytest.raises(OptionError) as raised:
+            run_with(engine, system)
+        assert f"engine = {engine}: " in str(raised.value) and reason in str(raised.value)
+
+
+def test_names_of_engines() -> None:
+    assert list(ENGINES) == ["own", "libcosim", "fmpy-ssp"]
