@@ -20,8 +20,8 @@ from cablefmu.errors import OptionError
 from tests.coupling.oscillators import oscillators
 
 ROUNDING = 1e-11
-"""Of every output's largest value: the engines' times differ in their last digits, as libcosim counts nanoseconds and FMPy
-adds up steps, and 0.02 of them do so little in 100 steps."""
+"""Of every output's largest value: the engines' times differ in their last digits, as libcosim counts nanoseconds and
+FMPy's runner adds up steps."""
 
 # The FMUs' own default, as neither engine passes a tolerance on.
 DEFAULT = ("tolerance = 1e-11", "tolerance = 1e-6")
@@ -75,7 +75,7 @@ def test_ssp_is_what_the_schemas_want_and_holds_the_fmus(quiet: System, tmp_path
     ssd = read_ssd(str(path))  # both validate against the schemas of SSP 1.0 that FMPy ships
     values = {parameter.name: parameter.value for parameter in read_ssv(str(path), resource=PARAMETERS).parameters}
     assert [component.name for component in ssd.system.elements] == ["a", "b", "spring", "wave"]
-    assert [component.source for component in ssd.system.elements][0] == "resources/a.fmu"
+    assert ssd.system.elements[0].source == "resources/a.fmu"
     assert len(ssd.system.connections) == 7
     assert float(values["spring.stiffness"]) == 250.0 and float(values["a.F_cx"]) == 0.0
     assert "a.u_m1" not in values  # it is connected

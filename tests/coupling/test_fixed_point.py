@@ -25,7 +25,7 @@ def test_a_linear_problem_that_repetition_blows_up_takes_two_evaluations_more_th
 def test_values_of_very_different_size_are_found_alike() -> None:
     """A force in N and a displacement in m: each is measured by its own scale."""
     matrix = np.array([[0.0, -3e6], [1e-6, 0.0]])
-    found = solve(lambda w: matrix @ w + [1e6, 1.0], np.zeros(2), np.array([1e6, 1.0]), TIGHT)
+    found = solve(lambda w: matrix @ w + np.array([1e6, 1.0]), np.zeros(2), np.array([1e6, 1.0]), TIGHT)
     exact = np.linalg.solve(np.eye(2) - matrix, [1e6, 1.0])
     assert found.values / exact == pytest.approx([1.0, 1.0], abs=1e-9)
 
@@ -42,7 +42,7 @@ def test_nothing_to_find_takes_one_evaluation() -> None:
 @pytest.mark.parametrize("acceleration", ["quasi-newton", "none"])
 def test_where_there_is_none_the_residual_says_how_far_off_it_was(acceleration: str) -> None:
     def shifted(w: Floats) -> Floats:
-        return w + [0.0, 2.0]
+        return w + np.array([0.0, 2.0])
 
     settings = IterationSpec.model_validate({"most": 5, "acceleration": acceleration})
     with pytest.raises(NotFoundError) as raised:

@@ -160,6 +160,9 @@ def _gain_wanted(source: Unit, target: Unit) -> str:
 def _unfed(spec: FileSpec, models: Mapping[str, Model], connections: list[Connection]) -> Iterator[Mistake]:
     """Inputs with no source, or with two; not those whose source has a mistake of its own."""
     fed = {connection.target: connection for connection in connections}
+    slopes = {
+        Variable(model.name, s) for model in models.values() for n in model.names("input") for s in model.slopes(n)
+    }
     meant = {table.to for table in spec.connection}
     all_known = len(models) == len(spec.model)
     for model in models.values():
@@ -168,7 +171,12 @@ def _unfed(spec: FileSpec, models: Mapping[str, Model], connections: list[Connec
             if variable in fed and name in model.spec.inputs:
                 text = f"has a source, {fed[variable]}, and a constant value; one is allowed"
                 yield Mistake(f"input {variable}", text)
-            elif all_known and str(variable) not in meant and variable not in fed and name not in model.constants:
+            elif (
+                all_known
+                and str(variable) not in meant
+                and variable not in {*fed, *slopes}
+                and name not in model.constants
+            ):
                 varies = " (in the scene it varies over time, which a coupling does not feed)" if model.scene else ""
                 text = f"has no source{varies}; a connection to it or inputs.{name} of its model is expected"
                 yield Mistake(f"input {variable}", text)

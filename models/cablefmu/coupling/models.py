@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import resources
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree as ET
 
 from fmpy import extract, read_model_description
@@ -18,13 +16,16 @@ from pythonfmu import FmuBuilder
 from ..errors import FmuError, UserError
 from ..fmu.archive import build_fmu, open_fmu
 from ..fmu.platforms import for_this_machine
+from ..fmu.python_slave import partner_script, without_traces
+from ..fmu.vessel import build_vessel
 from ..scene import Scene, load_scene
 from ..scene_mistakes import Mistake, nearest
 from ..signals import Constant
+from ..vessel import Vessel
 from .description import Coupling
 from .schema import ModelSpec, Value
 
-__all__ = ["Model", "Unit", "open_models", "shipped_partners"]
+__all__ = ["PARTNERS", "Model", "Unit", "open_models"]
 
 REAL = ("Real", "Float64")
 
@@ -80,8 +81,15 @@ class Model:
     def can_vary_step(self) -> bool:
         return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
 
+    def slopes(self, name: str) -> list[str]:
+        """Inputs that are the first and second derivative of an input, by the names that FMI has for such."""
+        named = (f"der({name})", f"der({name},2)")
+        return [slope for slope in named if slope in self.variables and self.variables[slope].causality == "input"]
+
     def interpolates(self, name: str) -> bool:
         """Whether an input may change inside a step: by its derivatives (FMI 2), or when asked for (FMI 3)."""
+        if self.slopes(name):
+            return True
         offered = self.description.coSimulation
         if self.fmi == 2:
             return bool(offered.canInterpolateInputs)
@@ -145,7 +153,7 @@ def open_models(coupling: Coupling, folder: Path, mistakes: list[Mistake]) -> di
         try:
             model = _open(coupling, spec, folder)
         except (UserError, _RefusedError) as error:
-            key = next(key for key in ("scene", "fmu", "partner") if getattr(spec, key) is not None)
+            key = next(key for key in ("scene", "fmu", "partner", "vessel") if getattr(spec, key) is not None)
             mistakes.append(Mistake(f"model {k}.{key}", str(error)))  # which says what was named
             continue
         mistakes += [Mistake(f"model {k}.{key}", text, value) for key, text, value in _wrong_values(model)]
@@ -164,7 +172,9 @@ def _open(coupling: Coupling, spec: ModelSpec, folder: Path) -> Model:
         scene = load_scene(named if spec.scene.endswith(".toml") else spec.scene)
         path = build_fmu(scene, target, fmi=spec.fmi or 2, platforms=for_this_machine())
     elif spec.partner is not None:
-        path = _build_partner(spec.partner, folder / f"{spec.name}-built")
+        path = _build_partner(spec.partner, target)
+    elif spec.vessel is not None:
+        path = build_vessel(_vessel(coupling, spec), target)
     else:
         assert spec.fmu is not None
         path = coupling.folder / spec.fmu
@@ -200,29 +210,25 @@ def _scene_in(path: Path) -> Scene | None:
         return None
 
 
-def shipped_partners() -> dict[str, Any]:
-    """Scripts of partner FMUs that ship and can be built as they are."""
-    folder = resources.files("cablefmu") / "binaries" / "partners"
-    scripts = {entry.name.removesuffix(".py"): entry for entry in folder.iterdir() if entry.name.endswith(".py")}
-    return {name: script for name, script in sorted(scripts.items()) if name in _PARTNERS}
+PARTNERS = ("spring", "wave_force")
+"""Partner FMUs that ship as scripts and are built as they are."""
 
 
-_PARTNERS = ("spring", "wave_force")
+def _vessel(coupling: Coupling, spec: ModelSpec) -> Vessel:
+    """A body takes the slopes of its force as inputs of its own, unless its table says otherwise."""
+    table = spec.vessel or {}
+    given = {"extrapolation": "given"} if table.get("kind") == "body" else {}
+    return Vessel.from_table({**given, **table}, name=spec.name, folder=coupling.folder, source=f"{spec.name}.vessel")
 
 
-def _build_partner(name: str, folder: Path) -> Path:
-    scripts = shipped_partners()
-    if name not in scripts:
-        raise _RefusedError(f'no partner "{name[:60]}" ships; {nearest(name, scripts)}')
-    folder.mkdir()
-    script = folder / f"{name}.py"
-    script.write_bytes(scripts[name].read_bytes())
-    before = sys.path.copy()
-    try:  # pythonfmu imports what it packs, and leaves it and its folder in this process
-        return Path(FmuBuilder.build_FMU(script, dest=folder))
-    finally:
-        sys.path[:] = before
-        sys.modules.pop(name, None)
+def _build_partner(name: str, target: Path) -> Path:
+    if name not in PARTNERS:
+        raise _RefusedError(f'no partner "{name[:60]}" ships; {nearest(name, PARTNERS)}')
+    with tempfile.TemporaryDirectory(prefix="cablefmu-") as folder:
+        script = Path(folder) / f"{name}.py"
+        script.write_bytes(partner_script(name))
+        with without_traces(name):
+            return Path(FmuBuilder.build_FMU(script, dest=target))
 
 
 def _wrong_values(model: Model) -> list[tuple[str, str, object]]:

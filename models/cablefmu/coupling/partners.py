@@ -32,8 +32,10 @@ class Partner(ABC):
         self.messages: deque[str] = deque(maxlen=_KEPT)
         self._input_references = [self._reference(name) for name in self.inputs]
         self._output_references = [self._reference(name) for name in self.outputs]
+        self._slopes = [model.slopes(name) for name in self.inputs]
         self._interpolated = [model.interpolates(name) for name in self.inputs]
         self.fmu: Any = None
+        self._is_dead = False
 
     # --- life cycle ---
 
@@ -51,7 +53,7 @@ class Partner(ABC):
         self._call("ending", self.fmu.terminate)
 
     def close(self) -> None:
-        if self.fmu is not None and self.fmu.component is not None:
+        if self.fmu is not None and self.fmu.component is not None and not self._is_dead:
             self.fmu.freeInstance()
         self.fmu = None
 
@@ -77,10 +79,22 @@ class Partner(ABC):
 
     # --- stepping ---
 
+    def _set_slopes(self, time: float, polynomials: Sequence[Polynomial]) -> None:
+        """Set the inputs that are other inputs' derivatives."""
+        references: list[int] = []
+        values: list[float] = []
+        for names, polynomial in zip(self._slopes, polynomials, strict=True):
+            derivatives = [*polynomial.derivatives(time), 0.0, 0.0][: len(names)]
+            references += [self._reference(name) for name in names]
+            values += derivatives
+        if references:
+            self._call("setting slopes", self._set_real, references, values)
+
     def step(self, time: float, end: float, polynomials: Sequence[Polynomial], *, is_final: bool) -> None:
         """From `time` to `end` with these inputs; `is_final`: nobody will go back before `time`."""
         now = [p(time) if follows else p(end) for p, follows in zip(polynomials, self._interpolated, strict=True)]
         self.set(now)
+        self._set_slopes(time, polynomials)
         self._follow(time, polynomials)
         self._call(f"its step from t = {time:.12g} s", self._step, time, end - time, is_final)
 
@@ -139,7 +153,8 @@ class Partner(ABC):
     def _call(self, what: str, function: Callable[..., Any], *arguments: Any) -> Any:
         try:
             return function(*arguments)
-        except FMICallException:
+        except FMICallException as error:
+            self._is_dead = error.status >= fmi2.fmi2Fatal  # FMI forbids every further call, freeing included
             said = self.messages[-1] if self.messages else "it gave no reason"
             raise RunError(f"model {self.model.name} failed in {what}: {said}") from None
 

@@ -75,6 +75,8 @@ class ModelSpec(Table):
     """The path of an FMU."""
     partner: str | None = None
     """A partner FMU that ships with this package."""
+    vessel: dict[str, Any] | None = None
+    """A vessel's table: its FMU is built."""
     fmi: Literal[2, 3] | None = None
     """Version of FMI that a scene is built for."""
     parameters: Annotated[dict[str, Value], Field(default_factory=dict)]
@@ -83,7 +85,7 @@ class ModelSpec(Table):
     feedthrough: bool = True
     """false: where its description leaves open what an output depends on, it is the state alone."""
 
-    one_of = (("scene", "fmu", "partner"),)
+    one_of = (("scene", "fmu", "partner", "vessel"),)
 
 
 class ConnectionSpec(Table):

@@ -16,7 +16,7 @@ from pythonfmu import FmuBuilder
 
 from .. import __version__
 
-__all__ = ["partner_script", "slave_description", "slave_members"]
+__all__ = ["partner_script", "slave_description", "slave_members", "without_traces"]
 
 
 def partner_script(name: str) -> bytes:
@@ -46,14 +46,14 @@ def slave_members(script: bytes, *, module: str, beside: Mapping[str, bytes]) ->
             file.write_bytes(data)
         path = source / f"{module}.py"
         others = [entry for entry in source.iterdir() if entry != path]
-        with _without_traces(module):
+        with without_traces(module):
             packed = FmuBuilder.build_FMU(path, dest=target, project_files=others)
         with zipfile.ZipFile(packed) as archive:
             return {name: archive.read(name) for name in archive.namelist() if name != "modelDescription.xml"}
 
 
 @contextmanager
-def _without_traces(module: str) -> Iterator[None]:
+def without_traces(module: str) -> Iterator[None]:
     """pythonfmu imports the script that it packs, and leaves it and its folder in this process."""
     path = sys.path.copy()
     try:
