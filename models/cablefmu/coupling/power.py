@@ -41,6 +41,7 @@ def bonds_of(
 ) -> list[Bond]:
     """Resolve every [[power]]; what is wrong is added to `mistakes`."""
     bonds: list[Bond] = []
+    all_known = not mistakes  # a connection that has a mistake of its own is not missed here
     for k, table in enumerate(spec.power, start=1):
         key = f"power {k}"
         flow = find_variable(f"{key}.flow", table.flow, "output", spec, models, mistakes)
@@ -53,7 +54,7 @@ def bonds_of(
             text = (
                 f"one connection from {flow} to model {effort.model} and one from {effort} to {flow.model} are expected"
             )
-            mistakes.append(Mistake(key, text))
+            mistakes += [Mistake(key, text)] if all_known else []
             continue
         units = [models[v.model].unit(v.name) for v in (flow, effort)]
         if all(units):
