@@ -9,7 +9,8 @@
 
 __version__ = "0.1.0"
 
-from .errors import CableError, FmuError, OptionError, RunError, SceneError, UserError, VesselError
+from .coupling import Coupling, couple, load_coupling, shipped_couplings
+from .errors import CableError, CouplingError, FmuError, OptionError, RunError, SceneError, UserError, VesselError
 from .fmu.archive import build_fmu
 from .fmu.twin import build_twin
 from .fmu.vessel import build_vessel
@@ -20,6 +21,8 @@ from .vessel import Vessel
 
 __all__ = [
     "CableError",
+    "Coupling",
+    "CouplingError",
     "Equilibrium",
     "FmuError",
     "Modes",
@@ -34,10 +37,13 @@ __all__ = [
     "build_fmu",
     "build_twin",
     "build_vessel",
+    "couple",
     "end_stiffness",
     "equilibrium",
+    "load_coupling",
     "load_scene",
     "modes",
+    "shipped_couplings",
     "shipped_scenes",
     "simulate",
 ]
