@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from fmpy.ssp.simulation import simulate_ssp
-from fmpy.ssp.ssd import read_ssv
+from fmpy.ssp.ssd import ParameterSet, read_ssv
 
 from ..errors import OptionError, RunError
 from .connections import Variable
 from .export_osp import STRUCTURE, write_osp
-from .export_ssp import PARAMETERS, values_of, write_ssp
+from .export_ssp import values_of, write_ssp
 from .results import source
 from .run import Progress, run_system
 from .system import System
@@ -93,14 +93,13 @@ def _by_fmpy(system: System, progress: Progress | None) -> xr.Dataset:
     times = _whole_times(system)
     with tempfile.TemporaryDirectory(prefix="cablefmu-") as folder:
         path = write_ssp(system, Path(folder) / "coupling.ssp")
-        values = read_ssv(str(path), resource=PARAMETERS)
         try:
             # Its loop adds up steps: half a step less than the stop time ends it after the right number of them.
             rows = simulate_ssp(
                 str(path),
                 stop_time=settings.stop_time - 0.5 * settings.step,
                 step_size=settings.step,
-                parameter_set=values,
+                parameter_set=_parameters(system, path),
             )
         except Exception as error:  # FMPy raises what it meets
             raise RunError(f"fmpy-ssp: {error}") from None
@@ -110,6 +109,16 @@ def _by_fmpy(system: System, progress: Progress | None) -> xr.Dataset:
     names = [str(v) for v in _variables(system)]
     table = np.column_stack([rows[name] for name in names]).tolist()
     return _dataset(system, "fmpy-ssp", times[1:], table, clock.perf_counter() - started)
+
+
+def _parameters(system: System, path: Path) -> ParameterSet:
+    """Values of all models by MODEL.NAME: FMPy's runner does not look for them by itself."""
+    values = ParameterSet()
+    for name in system.models:
+        for parameter in read_ssv(str(path), resource=f"resources/{name}.ssv").parameters:
+            parameter.name = f"{name}.{parameter.name}"
+            values.parameters.append(parameter)
+    return values
 
 
 def _refuse(engine: str, reasons: list[str]) -> None:
@@ -137,6 +146,10 @@ def _of_libcosim(system: System) -> Iterator[str]:
     size = system.settings.step / _NANO
     if abs(size - round(size)) > 1e-6:
         yield f"step = {system.settings.step} s: a whole number of nanoseconds is expected"
+    for name, model in system.models.items():
+        for parameter in model.spec.parameters:
+            if model.variables[parameter].type == "Enumeration":
+                yield f"model {name}: parameter {parameter} is an enumeration, which it does not know; leave it out"
 
 
 def _of_fmpy(system: System) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""A coupling as SSP 1.0: a zip of SystemStructure.ssd, the values in parameters.ssv, and the FMUs.
+"""A coupling as SSP 1.0: a zip of SystemStructure.ssd, and in resources/ every FMU and its values, NAME.fmu and NAME.ssv.
 
 The format says what is connected with what, and values; algorithm and extrapolation are the engine's.
 """
@@ -16,9 +16,8 @@ from .models import REAL, Model
 from .schema import Value
 from .system import System
 
-__all__ = ["PARAMETERS", "write_ssp"]
+__all__ = ["values_of", "write_ssp"]
 
-PARAMETERS = "parameters.ssv"
 _SPACE = "http://ssp-standard.org/SSP1/"
 _SSD, _SSC, _SSV = (f"{_SPACE}SystemStructure{name}" for name in ("Description", "Common", "ParameterValues"))
 for prefix, space in (("ssd", _SSD), ("ssc", _SSC), ("ssv", _SSV)):
@@ -34,8 +33,8 @@ def write_ssp(system: System, path: Path) -> Path:
         If the file cannot be written.
     """
     members = {f"resources/{name}.fmu": model.path.read_bytes() for name, model in system.models.items()}
+    members |= {f"resources/{name}.ssv": _text(_values(model)) for name, model in system.models.items()}
     members["SystemStructure.ssd"] = _text(_structure(system))
-    members[PARAMETERS] = _text(_parameters(system))
     with replacing(path) as temporary:
         write_zip(temporary, members)
     return path
@@ -61,8 +60,6 @@ def _structure(system: System) -> ET.Element:
         {"version": "1.0", "name": system.coupling.name, "generationTool": f"cablefmu {__version__}"},
     )
     whole = ET.SubElement(root, f"{{{_SSD}}}System", name=system.coupling.name, description=settings.description)
-    bindings = ET.SubElement(whole, f"{{{_SSD}}}ParameterBindings")
-    ET.SubElement(bindings, f"{{{_SSD}}}ParameterBinding", source=PARAMETERS)
     elements = ET.SubElement(whole, f"{{{_SSD}}}Elements")
     for name, model in system.models.items():
         _add_component(elements, model, [c.target.name for c in system.connections if c.target.model == name])
@@ -90,15 +87,16 @@ def _add_component(elements: ET.Element, model: Model, inputs: list[str]) -> Non
         for name, kind in listed:
             connector = ET.SubElement(connectors, f"{{{_SSD}}}Connector", name=name, kind=kind)
             ET.SubElement(connector, f"{{{_SSC}}}Real")
+    bindings = ET.SubElement(component, f"{{{_SSD}}}ParameterBindings")
+    ET.SubElement(bindings, f"{{{_SSD}}}ParameterBinding", source=f"resources/{model.name}.ssv")
 
 
-def _parameters(system: System) -> ET.Element:
-    root = ET.Element(f"{{{_SSV}}}ParameterSet", version="1.0", name=system.coupling.name)
+def _values(model: Model) -> ET.Element:
+    root = ET.Element(f"{{{_SSV}}}ParameterSet", version="1.0", name=model.name)
     listed = ET.SubElement(root, f"{{{_SSV}}}Parameters")
-    for model in system.models.values():
-        for name, kind, value in values_of(model):
-            parameter = ET.SubElement(listed, f"{{{_SSV}}}Parameter", name=f"{model.name}.{name}")
-            ET.SubElement(parameter, f"{{{_SSV}}}{kind}", value=_word(value))
+    for name, kind, value in values_of(model):
+        parameter = ET.SubElement(listed, f"{{{_SSV}}}Parameter", name=name)
+        ET.SubElement(parameter, f"{{{_SSV}}}{kind}", value=_word(value))
     return root
 
 
