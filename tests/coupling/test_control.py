@@ -42,6 +42,16 @@ def test_a_step_with_too_large_an_error_is_repeated_where_that_is_possible(cable
     assert result.attrs["rejected"] >= 1 and result["time"].values[1] == 0.01
 
 
+def test_iterated_steps_adapt_as_well(cables: Path) -> None:
+    """Rollback inside rollback; power says nothing there, signals do."""
+    text = (
+        adaptive(cables, 1e-2).text.replace("gauss-seidel", "iterated").replace("tolerance = 1e-11", "tolerance = 1e-9")
+    )
+    result = couple(Coupling.from_text(text, name="x", folder=cables))
+    assert error(result) < 1e-2
+    assert result.attrs["evaluations"] > result.attrs["steps"]
+
+
 def test_a_step_below_the_smallest_ends_the_run_with_the_connection(cables: Path) -> None:
     with pytest.raises(
         RunError, match=r"connection \w+\.\w+ -> \w+\.\w+: a step below 0\.005 s would be needed at t = "

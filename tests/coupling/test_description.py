@@ -58,8 +58,8 @@ def test_units_names_and_defaults() -> None:
         ("step = 0.1", "step = 0.1\ntolerence = 1", 'coupling.tolerence = 1: unknown key; the nearest is "tolerance"'),
         (
             "step = 0.1",
-            "step = 0.1\nadaptive = { tolerance = 1e-3, smallest = 2, largest = 1 }",
-            "coupling.adaptive.smallest = 2: at most largest = 1 is expected",
+            'step = 0.1\nadaptive = { tolerance = 1e-3, smallest = "2 s", largest = 1 }',
+            "coupling.adaptive.smallest = 2.0: at most largest = 1 s is expected",
         ),
         ('name = "wave"', 'name = "cable"', 'model 2.name = "cable": another model has this name; once is allowed'),
         ('name = "wave"', 'name = "a.b"', 'model 2.name = "a.b": a name of letters, digits, - and _'),

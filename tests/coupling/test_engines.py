@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
+from libcosimpy import CosimExecution, CosimLogging, CosimObserver
 from lxml import etree
 
 from cablefmu.coupling.description import Coupling
 from cablefmu.coupling.engines import ENGINES, run_with
 from cablefmu.coupling.export_osp import STRUCTURE, write_osp
-from cablefmu.coupling.export_ssp import PARAMETERS, write_ssp
+from cablefmu.coupling.export_ssp import write_ssp
 from cablefmu.coupling.system import System, opened
 from cablefmu.errors import OptionError
 from tests.coupling.oscillators import oscillators
@@ -73,7 +74,11 @@ def test_what_differs_at_a_start_under_force_is_the_first_step_alone(cables: Pat
 def test_ssp_is_what_the_schemas_want_and_holds_the_fmus(quiet: System, tmp_path: Path) -> None:
     path = write_ssp(quiet, tmp_path / "quiet.ssp")
     ssd = read_ssd(str(path))  # both validate against the schemas of SSP 1.0 that FMPy ships
-    values = {parameter.name: parameter.value for parameter in read_ssv(str(path), resource=PARAMETERS).parameters}
+    values = {
+        f"{name}.{parameter.name}": parameter.value
+        for name in quiet.models
+        for parameter in read_ssv(str(path), resource=f"resources/{name}.ssv").parameters
+    }
     assert [component.name for component in ssd.system.elements] == ["a", "b", "spring", "wave"]
     assert ssd.system.elements[0].source == "resources/a.fmu"
     assert len(ssd.system.connections) == 7
@@ -99,6 +104,19 @@ def test_ssp_and_osp_say_gains_in_their_own_way(cables: Path, tmp_path: Path) ->
     assert (tmp_path / "osp" / STRUCTURE).is_file() and (tmp_path / "osp" / "spring.fmu").is_file()
 
 
+def test_libcosim_runs_the_ssp_as_well(quiet: System, tmp_path: Path) -> None:
+    """It takes parameters and inputs from there, but no start values of outputs; here they are 0."""
+    CosimLogging.log_output_level(CosimLogging.CosimLogLevel.FATAL)
+    execution = CosimExecution.CosimExecution.from_ssp_file(str(write_ssp(quiet, tmp_path / "quiet.ssp")), 20_000_000)
+    observer = CosimObserver.CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    assert all(execution.step() for _ in range(100))
+    number = execution.slave_index_from_instance_name("b")
+    (found,) = observer.last_real_values(number, [int(quiet.models["b"].variables["y_m1"].valueReference)])
+    expected = run_with("own", quiet)["b.y_m1"].values
+    assert found == pytest.approx(expected[-1], abs=ROUNDING * np.abs(expected).max())
+
+
 def test_libcosim_applies_gains(cables: Path) -> None:
     text = oscillators(cables).text.replace(*DEFAULT)
     with opened(Coupling.from_text(text, name="two", folder=cables)) as system:
@@ -112,6 +130,18 @@ def test_libcosim_applies_gains(cables: Path) -> None:
         ("libcosim", '"jacobi"', '"gauss-seidel"', 'algorithm = "gauss-seidel" is not in it; "jacobi" is expected'),
         ("fmpy-ssp", "extrapolation = 0", "extrapolation = 2", "extrapolation = 2: it holds inputs; 0 is expected"),
         ("libcosim", "step = 0.02", "step = 0.03", "stop_time = 2.0 s: a multiple of the step is expected"),
+        (
+            "libcosim",
+            "y_m1 = 0.3",
+            'solver = "implicit"',
+            "model a: parameter solver is an enumeration, which it does not",
+        ),
+        (
+            "fmpy-ssp",
+            'name = "spring"',
+            'name = "ab"',
+            "model a: it takes parameters of ab for its own, whose name begins",
+        ),
         ("fmpy-ssp", "a-2.fmu", "a-3.fmu", "model a is of FMI 3; 2 is expected"),
         ("libcosim", "a-2.fmu", "a-3.fmu", "model a is of FMI 3; 2 is expected"),
         (
@@ -131,6 +161,7 @@ def test_what_an_engine_cannot_do_is_refused_before_the_run(
     assert old in text
     if "e-10" in new:
         text = text.replace("stop_time = 2", "stop_time = 6.25e-9")
+    text = text.replace("spring.", "ab.") if '"ab"' in new else text
     text = text.replace(old, new).replace("tolerance = 1,", "tolerance = 0.1,")
     with opened(Coupling.from_text(text, name="two", folder=cables)) as system:
         with pytest.raises(OptionError) as raised:

@@ -91,6 +91,12 @@ def test_what_does_not_fit_the_fmus_is_told_with_the_connection(old: str, new: s
     assert lines[0].startswith("two.toml: ") and said in lines[0]
 
 
+@pytest.mark.parametrize(("value", "said"), [("-1", "at least 0 [kg] is expected"), ("nan", "a finite number [kg] is")])
+def test_values_beyond_the_descriptions_limits(value: str, said: str, cables: Path) -> None:
+    (line,) = refusal(changed(cables, ("y_m1 = 0.3", f"M_1 = {value}")))
+    assert "model 1.parameters.M_1" in line and said in line
+
+
 def test_an_input_without_a_source_is_a_mistake(cables: Path) -> None:
     source, lone = refusal(changed(cables, ('to = "spring.v_b"', 'to = "spring.v_a"')))
     assert source.endswith("spring.v_a: spring.v_a has a source already, a.v_m1 -> spring.v_a; one is allowed")

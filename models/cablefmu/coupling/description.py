@@ -71,6 +71,10 @@ class Coupling:
             for k, model in enumerate(spec.model)
             if model.name in [before.name for before in spec.model[:k]]
         ]
+        adaptive = spec.coupling.adaptive
+        if adaptive and adaptive.smallest > adaptive.largest:
+            text = f"at most largest = {adaptive.largest:g} s is expected"
+            mistakes.append(Mistake("coupling.adaptive.smallest", text, adaptive.smallest))
         if not _NAME.fullmatch(name):
             mistakes.append(Mistake("", f'"{name[:60]}" cannot name a coupling: letters a to z, digits, - and _ can'))
         if mistakes:

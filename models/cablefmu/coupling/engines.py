@@ -70,10 +70,12 @@ def _by_libcosim(system: System, progress: Progress | None) -> xr.Dataset:
             if progress:
                 progress(time, settings.stop_time)
         del observer, execution
+    if failure is not None and not times:
+        raise RunError(failure)
     result = _dataset(system, "libcosim", times, rows, clock.perf_counter() - started)
     if failure is None:
         return result
-    raise RunError(failure, time=times[-1] if times else 0.0, partial=result)
+    raise RunError(failure, time=times[-1], partial=result)
 
 
 def _columns(system: System, execution: Any) -> list[tuple[int, list[int]]]:

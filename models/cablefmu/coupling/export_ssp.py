@@ -1,4 +1,4 @@
-"""A coupling as SSP 1.0: a zip of SystemStructure.ssd, and in resources/ every FMU and its values, NAME.fmu and NAME.ssv.
+"""A coupling as SSP 1.0: a zip of SystemStructure.ssd, and in resources/ every model's NAME.fmu and values, NAME.ssv.
 
 The format says what is connected with what, and values; algorithm and extrapolation are the engine's.
 """

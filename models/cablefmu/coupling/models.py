@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -252,7 +253,7 @@ def _wrong_values(model: Model) -> list[tuple[str, str, object]]:
 
 
 def _can_be_set(variable: ModelVariable) -> bool:
-    if variable.dimensions or variable.variability == "constant":
+    if variable.dimensions or variable.variability == "constant" or variable.causality == "structuralParameter":
         return False
     return variable.causality == "parameter" or variable.initial in ("exact", "approx")
 
@@ -267,4 +268,17 @@ def _refusal(variable: ModelVariable, value: Value) -> str | None:
     if variable.type not in (*REAL, *expected) and not isinstance(value, bool):
         kind, text = int, "a whole number"
     is_number = not isinstance(value, bool)
-    return None if isinstance(value, kind) and (variable.type == "Boolean" or is_number) else f"{text} is expected"
+    if not isinstance(value, kind) or not (variable.type == "Boolean" or is_number):
+        return f"{text} is expected"
+    return None if isinstance(value, str) else _out_of_range(variable, float(value))
+
+
+def _out_of_range(variable: ModelVariable, value: float) -> str | None:
+    unit = f" [{variable.unit}]" if variable.unit else ""
+    if not math.isfinite(value):
+        return f"a finite number{unit} is expected"
+    if variable.min is not None and value < float(variable.min):
+        return f"at least {float(variable.min):g}{unit} is expected"
+    if variable.max is not None and value > float(variable.max):
+        return f"at most {float(variable.max):g}{unit} is expected"
+    return None

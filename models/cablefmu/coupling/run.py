@@ -87,12 +87,14 @@ def run_system(system: System, progress: Progress | None = None) -> xr.Dataset:
                 partner.terminate()
         except RunError as error:
             failure = error
+    if failure is not None and not recording.times:
+        raise failure
     statistics = {**counters.told(control.rejected), "run_time": clock.perf_counter() - started}
     result = make_dataset(recording, statistics)
     if failure is None:
         return result
     result.attrs["ended_early"] = str(failure)
-    raise RunError(str(failure), time=recording.times[-1] if recording.times else 0.0, partial=result)
+    raise RunError(str(failure), time=recording.times[-1], partial=result)
 
 
 @contextmanager

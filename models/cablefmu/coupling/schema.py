@@ -42,12 +42,6 @@ class AdaptiveSpec(Table):
     control: Literal["signals", "power"] = "signals"
     """How far inputs were extrapolated wrongly, or the power residuals of [[power]]."""
 
-    @classmethod
-    def contradictions(cls, data: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], str]]:
-        low, high = data.get("smallest"), data.get("largest")
-        if isinstance(low, int | float) and isinstance(high, int | float) and low > high:
-            yield ("smallest",), f"at most largest = {high} is expected"
-
 
 class CouplingSpec(Table):
     """[coupling]"""
