@@ -18,7 +18,7 @@ from cablefmu.scene import load_scene
 from cablefmu.vessel import BodyTable, Vessel
 
 LARGEST = {"jacobi": 5e-4, "gauss-seidel": 2e-4, "iterated": 1e-5}
-"""Distance from the whole system's motion [m] with inputs of order 2 and steps of 20 ms: three times what was measured."""
+"""Distance from the whole system's motion [m] with inputs of order 2 and 20 ms steps: 3 times what was measured."""
 
 
 def _hawser(algorithm: str, extrapolation: int, step: float, fmi: int = 2) -> Coupling:

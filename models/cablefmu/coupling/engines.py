@@ -18,10 +18,9 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import ParameterSet, read_ssv
 
 from ..errors import OptionError, RunError
-from .connections import Variable
 from .export_osp import STRUCTURE, write_osp
 from .export_ssp import values_of, write_ssp
-from .results import source
+from .results import make_dataset, recorded
 from .run import Progress, run_system
 from .system import System
 
@@ -108,7 +107,7 @@ def _by_fmpy(system: System, progress: Progress | None) -> xr.Dataset:
     if progress:
         progress(settings.stop_time, settings.stop_time)
     # A row of time t holds what was said at the end of the step from t on; of the start it holds nothing.
-    names = [str(v) for v in _variables(system)]
+    names = [str(variable) for variable in recorded(system)]
     table = np.column_stack([rows[name] for name in names]).tolist()
     return _dataset(system, "fmpy-ssp", times[1:], table, clock.perf_counter() - started)
 
@@ -170,27 +169,10 @@ def _whole_times(system: System) -> list[float]:
     return [k * settings.step for k in range(round(settings.stop_time / settings.step))] + [settings.stop_time]
 
 
-def _variables(system: System) -> list[Variable]:
-    return [Variable(name, output) for name, model in system.models.items() for output in model.names("output")]
-
-
 def _dataset(system: System, engine: str, times: list[float], rows: list[list[float]], run_time: float) -> xr.Dataset:
-    settings, variables = system.settings, _variables(system)
-    values = np.asarray(rows, dtype=float).reshape(len(times), len(variables))
-    result = xr.Dataset(coords={"time": ("time", times, {"units": "s", "long_name": "Time"})})
-    for column, variable in enumerate(variables):
-        model = system.models[variable.model]
-        unit = model.unit(variable.name)
-        text = model.variables[variable.name].description or ""
-        attributes = {"units": unit.name if unit else "", "long_name": text}
-        result[str(variable)] = ("time", values[:, column], attributes)
-    result.attrs = {
-        "title": system.coupling.name, "summary": settings.description, "coupling": system.coupling.text,
-        "engine": engine,
-        "algorithm": "jacobi", "extrapolation": 0, "step": settings.step, "stop_time": settings.stop_time,
-        "notes": "", "steps": len(times), "evaluations": len(times), "rejected": 0, "run_time": run_time, **source(),
-    }  # fmt: skip
-    return result
+    steps = len(times)
+    statistics = {"notes": "", "steps": steps, "evaluations": steps, "rejected": 0, "run_time": run_time}
+    return make_dataset(system, times, rows, engine, statistics, powers=False)
 
 
 ENGINES: Mapping[str, Callable[[System, Progress | None], xr.Dataset]] = {

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,75 +13,84 @@ import xarray as xr
 from .. import __version__
 from .connections import Variable
 from .exchange import Outputs
-from .power import Bond
 from .system import System
 
-__all__ = ["Recording", "make_dataset"]
+__all__ = ["Recording", "make_dataset", "recorded"]
 
 
-@dataclass(slots=True)
+def recorded(system: System) -> list[Variable]:
+    """All real outputs, model by model."""
+    return [Variable(name, output) for name, model in system.models.items() for output in model.names("output")]
+
+
 class Recording:
-    """Rows as they come."""
+    """Rows as they come: outputs, and of every [[power]] the power and its residual."""
 
-    system: System
-    times: list[float] = field(default_factory=list)
-    rows: list[list[float]] = field(default_factory=list)
-
-    @property
-    def variables(self) -> list[Variable]:
-        return [
-            Variable(name, output) for name, model in self.system.models.items() for output in model.names("output")
-        ]
-
-    @property
-    def bonds(self) -> Sequence[Bond]:
-        return self.system.bonds
+    def __init__(self, system: System) -> None:
+        self.times: list[float] = []
+        self.rows: list[list[float]] = []
+        self._variables, self._bonds = recorded(system), system.bonds
 
     def add(self, time: float, outputs: Outputs, inputs: Mapping[Variable, float]) -> None:
         """Values at a communication point; `inputs` as they were just before it."""
-        powers = [bond.powers(outputs, inputs) for bond in self.bonds]
+        row = [outputs[variable] for variable in self._variables]
+        for bond in self._bonds:
+            given, taken = bond.powers(outputs, inputs)
+            row += [given, given - taken]
         self.times.append(time)
-        self.rows.append(
-            [*(outputs[v] for v in self.variables), *(p for pair in powers for p in (pair[0], pair[0] - pair[1]))]
-        )
+        self.rows.append(row)
 
 
-def make_dataset(recording: Recording, statistics: Mapping[str, float]) -> xr.Dataset:
-    """The recorded values over `time`: MODEL.OUTPUT, power.NAME and power.NAME.residual."""
-    system, settings = recording.system, recording.system.settings
-    result = xr.Dataset(coords={"time": ("time", recording.times, {"units": "s", "long_name": "Time"})})
-    described: list[tuple[str, str, str]] = []
-    for variable in recording.variables:
-        model = system.models[variable.model]
-        unit = model.unit(variable.name)
-        text = model.variables[variable.name].description or ""
-        described.append((str(variable), unit.name if unit else "", text))
-    for bond in recording.bonds:
-        described.append((f"power.{bond.name}", "W", f"{bond.flow.source} times the effort that its model is given"))
-        described.append(
-            (f"power.{bond.name}.residual", "W", "Power in minus power out of the connections, at the end of a step")
-        )
-    values = np.asarray(recording.rows, dtype=float).reshape(len(recording.times), len(described))
-    for column, (name, units, text) in enumerate(described):
-        result[name] = ("time", values[:, column], {"units": units, "long_name": text})
+@dataclass(frozen=True, slots=True)
+class _Column:
+    name: str
+    units: str
+    text: str
+
+
+def make_dataset(
+    system: System, times: Sequence[float], rows: Sequence[Sequence[float]], engine: str,
+    statistics: Mapping[str, object], *, powers: bool,
+) -> xr.Dataset:  # fmt: skip
+    """The recorded values over `time`: MODEL.OUTPUT and, with `powers`, power.NAME and power.NAME.residual."""
+    settings = system.settings
+    columns = [*_outputs(system), *(_powers(system) if powers else [])]
+    values = np.asarray(rows, dtype=float).reshape(len(times), len(columns))
+    result = xr.Dataset(coords={"time": ("time", list(times), {"units": "s", "long_name": "Time"})})
+    for k, column in enumerate(columns):
+        result[column.name] = ("time", values[:, k], {"units": column.units, "long_name": column.text})
     result.attrs = {
         "title": system.coupling.name,
         "summary": settings.description,
         "coupling": system.coupling.text,
-        "engine": "own",
+        "engine": engine,
         "algorithm": settings.algorithm,
         "extrapolation": settings.extrapolation,
         "step": settings.step,
         "stop_time": settings.stop_time,
-        "tolerance": settings.tolerance,
-        "notes": "; ".join(system.notes),
         **statistics,
-        **source(),
+        "source": f"cablefmu {__version__}, fmpy {version('fmpy')}, Python {platform.python_version()}",
+        "conventions": "units as in the FMUs; cables: x to the right, y down",
     }
     return result
 
 
-def source() -> dict[str, Any]:
-    """What made the results."""
-    made = f"cablefmu {__version__}, fmpy {version('fmpy')}, Python {platform.python_version()}"
-    return {"source": made, "conventions": "units as in the FMUs; cables: x to the right, y down"}
+def _outputs(system: System) -> list[_Column]:
+    columns = []
+    for variable in recorded(system):
+        model = system.models[variable.model]
+        unit = model.unit(variable.name)
+        text = model.variables[variable.name].description or ""
+        columns.append(_Column(str(variable), unit.name if unit else "", text))
+    return columns
+
+
+def _powers(system: System) -> list[_Column]:
+    columns = []
+    for bond in system.bonds:
+        columns.append(
+            _Column(f"power.{bond.name}", "W", f"{bond.flow.source} times the effort that its model is given")
+        )
+        text = "Power in minus power out of the connections, at the end of a step"
+        columns.append(_Column(f"power.{bond.name}.residual", "W", text))
+    return columns

@@ -89,8 +89,13 @@ def run_system(system: System, progress: Progress | None = None) -> xr.Dataset:
             failure = error
     if failure is not None and not recording.times:
         raise failure
-    statistics = {**counters.told(control.rejected), "run_time": clock.perf_counter() - started}
-    result = make_dataset(recording, statistics)
+    statistics = {
+        "tolerance": settings.tolerance,
+        "notes": "; ".join(system.notes),
+        **counters.told(control.rejected),
+        "run_time": clock.perf_counter() - started,
+    }
+    result = make_dataset(system, recording.times, recording.rows, "own", statistics, powers=True)
     if failure is None:
         return result
     result.attrs["ended_early"] = str(failure)
