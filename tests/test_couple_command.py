@@ -104,7 +104,10 @@ def test_exports_run_nothing(command: Command) -> None:
     assert not Path("build/short.csv").exists()
 
 
-def test_a_failed_run_keeps_what_there_was(command: Command) -> None:
+@pytest.mark.parametrize("more", ["", "adaptive = { tolerance = 0.1, smallest = 0.1, largest = 0.1 }"])
+def test_a_failed_run_keeps_what_there_was(more: str, command: Command) -> None:
+    """Also where the master holds states of the FMU that died."""
+    Path("failing.toml").write_text(FAILING.replace("step = 0.1", f"step = 0.1\n{more}"))
     assert command("couple", "failing.toml").status == 1
     assert "the run ended at t = 0.5 s; the results up to then are kept." in command.err
     assert "model tug failed in its step from t = 0.5 s: " in command.err

@@ -106,11 +106,15 @@ class Partner(ABC):
     def restore(self, state: Any) -> None:
         """Go back to a state; it can be gone back to again."""
 
-    @abstractmethod
     def forget(self, state: Any) -> None:
         """Free a state."""
+        if not self._is_dead:
+            self._call("freeing a state", self._free, state)
 
     # --- what the versions do differently ---
+
+    @abstractmethod
+    def _free(self, state: Any) -> None: ...
 
     @abstractmethod
     def _set_all(self, values: Mapping[str, Value]) -> None: ...
@@ -200,8 +204,8 @@ class _Fmi2(Partner):
     def restore(self, state: Any) -> None:
         self._call("going back to a state", self.fmu.setFMUstate, state)
 
-    def forget(self, state: Any) -> None:
-        self._call("freeing a state", self.fmu.freeFMUstate, state)
+    def _free(self, state: Any) -> None:
+        self.fmu.freeFMUstate(state)
 
     def _enter(self, stop: float, tolerance: float) -> None:
         self.fmu.setupExperiment(tolerance=tolerance, startTime=0.0, stopTime=stop)
@@ -259,8 +263,8 @@ class _Fmi3(Partner):
     def restore(self, state: Any) -> None:
         self._call("going back to a state", self.fmu.setFMUState, state)
 
-    def forget(self, state: Any) -> None:
-        self._call("freeing a state", self.fmu.freeFMUState, state)
+    def _free(self, state: Any) -> None:
+        self.fmu.freeFMUState(state)
 
     def _enter(self, stop: float, tolerance: float) -> None:
         self.fmu.enterInitializationMode(tolerance=tolerance, startTime=0.0, stopTime=stop)
