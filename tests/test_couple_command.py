@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -102,6 +103,8 @@ def test_exports_run_nothing(command: Command) -> None:
     assert command("couple", "short.toml", "--ssp", "x.ssp", "--osp", "osp").status == 0
     assert command.out.splitlines() == ["x.ssp", str(Path("osp") / "OspSystemStructure.xml")]
     assert not Path("build/short.csv").exists()
+    with zipfile.ZipFile(Path("osp") / "cable.fmu") as archive:  # for all machines
+        assert {"win64", "linux64", "darwin64"} <= {name.split("/")[1] for name in archive.namelist() if "/" in name}
 
 
 @pytest.mark.parametrize("more", ["", "adaptive = { tolerance = 0.1, smallest = 0.1, largest = 0.1 }"])

@@ -64,7 +64,7 @@ def export_coupling(name: str, ssp: Path | None, osp: Path | None) -> None:
     """
     if ssp is not None and ssp.suffix != ".ssp":
         raise OptionError(f"ssp = {ssp}: a name that ends with .ssp is expected")
-    with opened(load_coupling(name)) as system:
+    with opened(load_coupling(name), elsewhere=True) as system:
         if ssp is not None:
             print(write_ssp(system, ssp))
         if osp is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +16,6 @@ from pythonfmu import FmuBuilder
 
 from ..errors import FmuError, UserError
 from ..fmu.archive import build_fmu, open_fmu
-from ..fmu.platforms import for_this_machine
 from ..fmu.python_slave import partner_script, without_traces
 from ..fmu.vessel import build_vessel
 from ..scene import Scene, load_scene
@@ -147,12 +146,14 @@ class Model:
         }
 
 
-def open_models(coupling: Coupling, folder: Path, mistakes: list[Mistake]) -> dict[str, Model]:
-    """Build or find every FMU, and unpack it into `folder`; what is wrong is added to `mistakes`."""
+def open_models(
+    coupling: Coupling, folder: Path, mistakes: list[Mistake], platforms: Collection[str] | None
+) -> dict[str, Model]:
+    """Build (for these machines) or find every FMU, unpack it into `folder`; what is wrong is added to `mistakes`."""
     models: dict[str, Model] = {}
     for k, spec in enumerate(coupling.spec.model, start=1):
         try:
-            model = _open(coupling, spec, folder)
+            model = _open(coupling, spec, folder, platforms)
         except (UserError, _RefusedError) as error:
             key = next(key for key in ("scene", "fmu", "partner", "vessel") if getattr(spec, key) is not None)
             mistakes.append(Mistake(f"model {k}.{key}", str(error)))  # which says what was named
@@ -166,12 +167,12 @@ class _RefusedError(Exception):
     """One sentence on why an FMU cannot be had."""
 
 
-def _open(coupling: Coupling, spec: ModelSpec, folder: Path) -> Model:
+def _open(coupling: Coupling, spec: ModelSpec, folder: Path, platforms: Collection[str] | None) -> Model:
     target, scene = folder / f"{spec.name}.fmu", None
     if spec.scene is not None:
         named = coupling.folder / spec.scene
         scene = load_scene(named if spec.scene.endswith(".toml") else spec.scene)
-        path = build_fmu(scene, target, fmi=spec.fmi or 2, platforms=for_this_machine())
+        path = build_fmu(scene, target, fmi=spec.fmi or 2, platforms=platforms)
     elif spec.partner is not None:
         path = _build_partner(spec.partner, target)
     elif spec.vessel is not None:

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ..fmu.platforms import for_this_machine
 from ..scene_mistakes import Mistake
 from .connections import Connection, Variable, connect
 from .description import Coupling
@@ -83,8 +84,10 @@ class System:
 
 
 @contextmanager
-def opened(coupling: Coupling) -> Iterator[System]:
+def opened(coupling: Coupling, *, elsewhere: bool = False) -> Iterator[System]:
     """Build, unpack and check everything in a temporary folder.
+
+    `elsewhere`: whether FMUs of scenes are to run on other machines than this one as well.
 
     Raises
     ------
@@ -94,7 +97,7 @@ def opened(coupling: Coupling) -> Iterator[System]:
     folder = Path(tempfile.mkdtemp(prefix="cablefmu-"))
     mistakes: list[Mistake] = []
     try:
-        models = open_models(coupling, folder, mistakes)
+        models = open_models(coupling, folder, mistakes, None if elsewhere else for_this_machine())
         connections = connect(coupling.spec, models, mistakes)
         models = {name: _without_fed(model, connections) for name, model in models.items()}
         bonds = bonds_of(coupling.spec, models, connections, mistakes)
