@@ -53,9 +53,19 @@ class Partner(ABC):
         self._call("ending", self.fmu.terminate)
 
     def close(self) -> None:
-        if self.fmu is not None and self.fmu.component is not None and not self._is_dead:
-            self.fmu.freeInstance()
-        self.fmu = None
+        """Free the instance and its library."""
+        fmu, self.fmu = self.fmu, None
+        if fmu is None or fmu.component is None:
+            return
+        # PythonFMU's library lets go of its interpreter when the process ends, after its own statics are gone, and so
+        # writes to freed memory. Done here, there is nothing left to let go of.
+        let_go = getattr(fmu.dll, "finalizePythonInterpreter", None)
+        if not self._is_dead:
+            getattr(fmu, f"fmi{self.model.fmi}FreeInstance")(fmu.component)
+        if let_go is not None:
+            let_go()
+        if not self._is_dead:
+            fmu.freeLibrary()
 
     # --- values ---
 
