@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from cablefmu.cable import Cable, Floats, SolverChoice, Terminal
+from cablefmu.cable import Cable, Floats, SolverChoice, Terminal, Top
 from cablefmu.scene import Scene
-from cablefmu.signals import Constant, Sine, Steps
+from cablefmu.signals import Constant, Derivative, Sine, Steps
 from tests.kernel.library import Run, Wave
 
 __all__ = ["SOLVERS", "make_scene", "places", "speeds", "state", "waves_of", "work"]
@@ -22,28 +22,38 @@ def state(run: Run) -> Floats:
 
 
 def places(cable: Cable, q: Floats) -> Floats:
-    """P_0 ... P_n from heave and angles alone, shape (n + 1, 2) [m]."""
-    length, theta = cable.links.length, q[1:]
+    """P_0 ... P_n from q alone, shape (n + 1, 2) [m]; from P_0 where that is given."""
+    length, theta = cable.links.length, cable.angles_in(q)
     x, y = np.cumsum(length * np.sin(theta)), np.cumsum(length * np.cos(theta))
-    return np.stack([np.append(0.0, x), q[0] + np.append(0.0, y)], axis=1)
+    return _top(cable, q) + np.stack([np.append(0.0, x), np.append(0.0, y)], axis=1)
+
+
+def _top(cable: Cable, q: Floats) -> Floats:
+    """(x, y) of the floater, in q or its rate."""
+    surge = q[-1] if cable.top is Top.FREE else 0.0
+    return np.array([surge, 0.0 if cable.top is Top.MOTION else q[0]])
 
 
 def speeds(cable: Cable, q: Floats, v: Floats) -> Floats:
-    """Of P_0 ... P_n, shape (n + 1,) [m/s]."""
-    swing, theta = cable.links.length * v[1:], q[1:]
+    """Of P_0 ... P_n, shape (n + 1,) [m/s]; against P_0 where that is given."""
+    swing, theta = cable.links.length * cable.angles_in(v), cable.angles_in(q)
     x, y = np.cumsum(swing * np.cos(theta)), np.cumsum(-swing * np.sin(theta))
-    return np.asarray(np.hypot(np.append(0.0, x), v[0] + np.append(0.0, y)), dtype=float)
+    top = _top(cable, v)
+    return np.asarray(np.hypot(top[0] + np.append(0.0, x), top[1] + np.append(0.0, y)), dtype=float)
 
 
 def waves_of(scene: Scene) -> dict[str, Wave]:
-    """The scene's forces, those of its start where they are constant or jump, or a sine from t = 0 on."""
+    """The scene's inputs, those of its start where they are constant or jump, or a sine and its derivatives."""
     waves: dict[str, Wave] = {}
     for name, signal in scene.signals.items():
         if isinstance(signal, (Constant, Steps)):
             waves[name] = (signal(0.0), 0.0, 0.0)
-        else:
-            assert isinstance(signal, Sine) and signal.phase == 0.0 and signal.start is None
-            waves[name] = (signal.offset, signal.amplitude, 2.0 * math.pi * signal.frequency)
+            continue
+        of, order = (signal.of, signal.order) if isinstance(signal, Derivative) else (signal, 0)
+        assert isinstance(of, Sine) and of.start is None
+        pulsation = 2.0 * math.pi * of.frequency
+        phase = of.phase + order * math.pi / 2.0  # each derivative is a quarter turn ahead
+        waves[name] = (0.0 if order else of.offset, of.amplitude * pulsation**order, pulsation, phase)
     return waves
 
 
