@@ -99,7 +99,7 @@ DEFECTS = {
     ),
     "damping of the floater missing": Defect(
         "floater 1 heaves undamped",
-        (Change("floater.c", " - p[P_c_m1] * x[model->n + 1];", ";"),),
+        (Change("top.c", " - p[P_c_m1] * v[0];", ";"),),
         ("accelerations", "energy and power", "explicit motion", "implicit motion"),
     ),
 }
