@@ -90,6 +90,11 @@ static void pass_experiment(Stream *stream, Instance *instance)
     if (instance->link) pass_doubles(stream, instance->whole, WHOLE_COUNT);
     pass_doubles(stream, instance->u, INPUT_COUNT);
     pass_int(stream, &instance->u_orders, 0, INPUT_ORDERS);
+    for (int end = 0; end < 2; end++) {
+        pass_flag(stream, &instance->has_before[end]);
+        pass_doubles(stream, &instance->time_before[end], 1);
+        pass_doubles(stream, instance->velocity_before[end], 2);
+    }
     int given = (int)instance->u_given;
     pass_int(stream, &given, 0, (1 << INPUT_COUNT) - 1);
     instance->u_given = (uint32_t)given;

@@ -57,6 +57,23 @@ static bool offers_energy_residual(const Resource *resource)
     return false;
 }
 
+/* Which given motions come without an acceleration, as the variables have it. */
+static void find_derived(Instance *instance)
+{
+    static const Input first[] = {U_x_1, U_x_2}, last[] = {U_ay_1, U_ay_2};
+    const Resource *resource = &instance->resource;
+    for (int end = 0; end < 2; end++) {
+        bool moves = false, accelerates = false;
+        for (uint32_t k = 0; k < resource->variables; k++) {
+            const Variable *variable = &resource->variable[k];
+            if (variable->kind != VARIABLE_INPUT) continue;
+            moves |= variable->index == (uint32_t)first[end];
+            accelerates |= variable->index == (uint32_t)last[end];
+        }
+        instance->derives[end] = moves && !accelerates;
+    }
+}
+
 /* Nothing of an earlier run is left in the solver's memory. */
 static void start_solver(Instance *instance, SolverChoice choice, double tolerance)
 {
@@ -83,6 +100,7 @@ static void start_over(Instance *instance)
     if (instance->guess) memcpy(instance->guess, instance->x, 2 * half * sizeof *instance->x);
     memcpy(instance->u, resource->input_start, sizeof instance->u);
     forget_input_derivatives(instance);
+    memset(instance->has_before, 0, sizeof instance->has_before);
     memset(instance->statics, 0, sizeof instance->statics);
     start_solver(instance, (SolverChoice)resource->solver, DEFAULT_TOLERANCE);
     instance->time = instance->step_start = 0.0;
@@ -171,6 +189,11 @@ Instance *instance_new(Interface interface, const char *token, const char *resou
     }
     if (instance->resource.whole && !host.takes_arrays) {
         text_add(&why, RESOURCE_NAME " is that of a cable with arrays, which FMI 2 does not have");
+        return abandon(instance, &why);
+    }
+    find_derived(instance);
+    if (interface == MODEL_EXCHANGE && (instance->derives[0] || instance->derives[1])) {
+        text_add(&why, "Model Exchange needs the accelerations of given motions, which this cable does without");
         return abandon(instance, &why);
     }
     if (!instance_size(instance, (int)instance->resource.n)) {

@@ -68,8 +68,11 @@ struct Instance {
     double *link;                  /* [LINK_COLUMNS][n] where n is a parameter, divided from `whole`; else NULL */
     double whole[WHOLE_COUNT];
     double u[INPUT_COUNT], u_derivative[INPUT_ORDERS][INPUT_COUNT], output[OUTPUT_COUNT];
-    int u_orders;     /* derivatives of inputs that were given for the step to come; zeros beyond */
-    uint32_t u_given; /* the inputs that have some, as bits */
+    int u_orders; /* derivatives of inputs that were given for the step to come; zeros beyond */
+    /* Of given motions without an acceleration [step.c], by ends: whether, and what was given last. */
+    bool derives[2], has_before[2];
+    double velocity_before[2][2], time_before[2]; /* along x, y [m/s]; [s] */
+    uint32_t u_given;                             /* the inputs that have some, as bits */
     double statics[STATICS_COUNT];
     double *changes;         /* three times the states, scratch [derivatives.c] */
     bool linear_is_current;  /* for derivatives at the present state */

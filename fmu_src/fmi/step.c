@@ -49,11 +49,34 @@ static void join_motion(Instance *instance, Input first)
     }
 }
 
+/*
+ * Of a host that knows no acceleration: the slope of its velocity if it gives that, else what the velocity did since the last
+ * step; at the first step zero.
+ */
+static void derive_acceleration(Instance *instance, int end, Input first)
+{
+    enum { AXES = 2 };
+    double *u = instance->u;
+    const double since = instance->time - instance->time_before[end];
+    for (int axis = 0; axis < AXES; axis++) {
+        const int v = (int)first + AXES + axis, a = v + AXES;
+        const bool given = instance->u_given >> v & 1u, known = instance->has_before[end] && since > 0.0;
+        const double change = u[v] - instance->velocity_before[end][axis];
+        u[a] = given ? instance->u_derivative[0][v] : known ? change / since : 0.0;
+        instance->velocity_before[end][axis] = u[v];
+    }
+    instance->time_before[end] = instance->time;
+    instance->has_before[end] = true;
+}
+
 /* Before a step, whose inputs the host gives as polynomials. */
 static void join_motions(Instance *instance)
 {
     const Model *model = &instance->model;
-    if (instance->host.intermediate || !motion_is_given(model)) return;
+    if (!motion_is_given(model)) return;
+    if (instance->derives[0]) derive_acceleration(instance, 0, U_x_1);
+    if (instance->derives[1]) derive_acceleration(instance, 1, U_x_2);
+    if (instance->host.intermediate) return;
     if (top_is_given(model)) join_motion(instance, U_x_1);
     if (model->terminal == TERMINAL_MOTION) join_motion(instance, U_x_2);
     instance->u_orders = instance->u_orders + 2 < INPUT_ORDERS ? instance->u_orders + 2 : INPUT_ORDERS;

@@ -52,7 +52,9 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
     terminal_weight = _terminal_mass(spec) * spec.gravity
     terminal = spec.terminal
     surges = getattr(spec.top, "surges", False)
-    inputs = schema.inputs_of(spec.top.kind, surges, terminal.kind, getattr(terminal, "horizontal_force", False))
+    accelerations = getattr(spec.top, "acceleration", True), getattr(terminal, "acceleration", True)
+    pushed = getattr(terminal, "horizontal_force", False)
+    inputs = schema.inputs_of(spec.top.kind, surges, terminal.kind, pushed, accelerations)
     input_start = _input_start(spec, inputs, signals)
     place = _place(spec, input_start)
     rest = _rest(spec, links.length, weights, place)

@@ -122,6 +122,9 @@ class MotionTopTable(Table):
     """A vessel that somebody else computes: its motion is an input, the cable's force on it an output."""
 
     kind: Literal["motion"]
+    acceleration: StrictBool = True
+    """Whether the accelerations are inputs as well. Without them the FMU is of Co-Simulation alone, and takes what the
+    velocity did since the last step, or its slope."""
 
 
 TopTable = FloaterTopTable | MotionTopTable
@@ -196,6 +199,8 @@ class MotionEndTable(Table):
     kind: Literal["motion"]
     position: Position
     """Where it is at rest: x to the right, y downward from the top port."""
+    acceleration: StrictBool = True
+    """Whether the accelerations are inputs as well, as at the top."""
 
 
 TerminalTable = LoadTable | AnchorMassTable | AnchorSpringTable | FloaterTable | PinTable | MotionEndTable
@@ -325,11 +330,14 @@ def _statics_without_equilibrium(data: dict[str, Any]) -> Iterator[tuple[tuple[s
         yield ("outputs", "drop"), f'{named[0]} exists only in scenes with [run] initial = "equilibrium"'
 
 
-def _motion(end: int) -> tuple[str, ...]:
-    return tuple(f"{prefix}{axis}_{end}" for prefix in ("", "v", "a") for axis in "xy")
+def _motion(end: int, acceleration: bool) -> tuple[str, ...]:
+    kinds = ("", "v", "a") if acceleration else ("", "v")
+    return tuple(f"{kind}{axis}_{end}" for kind in kinds for axis in "xy")
 
 
-def inputs_of(top: str, surges: bool, terminal: str, horizontal_force: bool) -> tuple[str, ...]:
+def inputs_of(
+    top: str, surges: bool, terminal: str, horizontal_force: bool, accelerations: tuple[bool, bool] = (True, True)
+) -> tuple[str, ...]:
     """Names of the inputs of a scene by the kinds of its ends, in their fixed order; none for an unknown kind."""
     at_end = {
         "load": ("F_cx", "F_cy"),
@@ -337,11 +345,11 @@ def inputs_of(top: str, surges: bool, terminal: str, horizontal_force: bool) -> 
         "anchor-spring": (),
         "pin": (),
         "floater": ("u_m2", "F_cx") if horizontal_force else ("u_m2",),
-        "motion": _motion(2),
+        "motion": _motion(2, accelerations[1]),
     }.get(terminal)
     if at_end is None:
         return ()
-    at_top = _motion(1) if top == "motion" else ("u_m1", "u_m1x") if surges else ("u_m1",)
+    at_top = _motion(1, accelerations[0]) if top == "motion" else ("u_m1", "u_m1x") if surges else ("u_m1",)
     return tuple(name for name in table().inputs if name in (*at_top, *at_end))
 
 

@@ -169,6 +169,12 @@ def _dependencies(variable: Variable, at_start: bool) -> tuple[int, ...] | None:
     return None if at_start and variable.on_all_at_start else variable.depends_on
 
 
+def _offers_model_exchange(variables: Iterable[Variable]) -> bool:
+    """Not where a motion is given without its acceleration, which only steps can make up for."""
+    names = {variable.name for variable in variables if variable.kind is Kind.INPUT}
+    return all(f"ax_{end}" in names for end in (1, 2) if f"x_{end}" in names)
+
+
 # --- FMI 2.0 ---
 
 
@@ -197,6 +203,8 @@ def _fmi2(
         "maxOutputDerivativeOrder": "1",
     }
     interfaces = {"ModelExchange": {"completedIntegratorStepNotNeeded": "true"}, "CoSimulation": stepping}
+    if not _offers_model_exchange(variables):
+        del interfaces["ModelExchange"]
     for interface, own in interfaces.items():
         element = ET.SubElement(root, interface, {**capabilities, **own})
         listing = ET.SubElement(element, "SourceFiles")
@@ -263,7 +271,8 @@ def _fmi3(
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
-    ET.SubElement(root, "ModelExchange", {**capabilities, "needsCompletedIntegratorStep": "false"})
+    if _offers_model_exchange(variables):
+        ET.SubElement(root, "ModelExchange", {**capabilities, "needsCompletedIntegratorStep": "false"})
     stepping = {
         "canHandleVariableCommunicationStepSize": "true",
         "providesIntermediateUpdate": "true",
