@@ -270,5 +270,6 @@ class KernelModel:
                 allowed = ", ".join(self.cable.inputs) or "none"
                 raise OptionError(f"input {name}: this cable has no such input; it has {allowed}")
             if not np.isfinite(force):
-                raise OptionError(f"input {name} = {force}: a finite number is expected")
+                unit = table().inputs[name].unit
+                raise OptionError(f"input {name} = {force}: a finite number [{unit}] is expected")
         return np.array([inputs.get(name, 0.0) for name in table().inputs], dtype=np.float64)

@@ -14,7 +14,16 @@ from ..cable import PORT_OUTPUTS, Cable, Initial, SolverChoice, Terminal, Top, W
 from ..scene_schema import MAX_LINKS
 from .table import table
 
-__all__ = ["ENUMERATIONS", "STATE_OUTPUTS", "Enumeration", "Item", "Kind", "Variable", "elements_of", "variables_of"]
+__all__ = [
+    "ENUMERATIONS",
+    "STATE_OUTPUTS",
+    "Enumeration",
+    "Item",
+    "Kind",
+    "Variable",
+    "elements_of",
+    "variables_of",
+]
 
 STATE_OUTPUTS = ("y_m1", "v_m1", "x_m1", "vx_m1")
 """Outputs that are states themselves: floater 1's displacement and velocity."""
