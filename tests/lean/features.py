@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cablefmu.fmu.table import table
+from cablefmu.fmu.variables import outputs_of
 from cablefmu.scene import Scene
 from tests.fmu_helpers import SCENES, from_equilibrium, small_scene
 
-__all__ = ["FEATURES", "Feature", "scene_pair"]
+__all__ = ["ENDS", "FEATURES", "Feature", "scene_pair"]
 
 _SPRING = ("k_cH", "c_cH", "k_cV", "c_cV", "static_load_2", "static_pull_2")
 _FLOATER = ("M_2", "k_m2V", "c_m2V", "k_m2H", "c_m2H", "static_load_2", "static_pull_2", "u_m2")
@@ -36,7 +37,7 @@ def _drop(*names: str) -> tuple[tuple[str, str], ...]:
     return (("[inputs]", f"[outputs]\ndrop = {list(names)!r}\n[inputs]"),)
 
 
-_PLAIN_OUTPUTS = tuple(name for name in table().outputs if name not in ("y_m1", "v_m1"))
+_PLAIN_OUTPUTS = tuple(name for name in outputs_of(small_scene("load").cable) if name not in ("y_m1", "v_m1"))
 _LOAD_TO_ANCHOR = ("m_c", "rho_c", "I_Rc", "F_cx", "F_cy")
 
 FEATURES = {
@@ -72,9 +73,27 @@ FEATURES = {
 }  # fmt: skip
 
 
+_FLOATER_1 = ("M_1", "k_m1", "c_m1", "static_load", "u_m1", "y_m1", "v_m1", "der(y_m1)", "der(v_m1)")
+
+
+def _of_vessel(end: int) -> tuple[str, ...]:
+    inputs = tuple(f"{kind}{axis}_{end}" for kind in ("", "v", "a") for axis in "xy")
+    return (*inputs, f"F_{end}x", f"F_{end}y", f"m_{end}xx", f"m_{end}xy", f"m_{end}yy")
+
+
+ENDS = {
+    "surge": Feature(
+        "surge", "pin", ("k_m1H", "c_m1H", "static_pull", "u_m1x", "x_m1", "vx_m1", "der(x_m1)", "der(vx_m1)")
+    ),
+    "vessel at the top": Feature("moved", "load", _of_vessel(1), come=_FLOATER_1),
+    "vessels at both ends": Feature("between", "pin", (*_of_vessel(1), *_of_vessel(2)), come=_FLOATER_1),
+}
+"""Ends in place of others, which have costs of their own."""
+
+
 def scene_pair(name: str) -> tuple[Scene, Scene]:
     """With the feature and without."""
-    feature = FEATURES[name]
+    feature = (FEATURES | ENDS)[name]
     text = SCENES[feature.lacking]
     for old, new in feature.edits:
         if text.count(old) != 1:

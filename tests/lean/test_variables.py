@@ -9,12 +9,13 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 
+from cablefmu.cable import Top
 from cablefmu.fmu.archive import build_fmu
 from cablefmu.fmu.resource import resource_bytes
 from cablefmu.fmu.table import table
-from cablefmu.fmu.variables import Kind, variables_of
+from cablefmu.fmu.variables import Kind, outputs_of, variables_of
 from cablefmu.scene import Scene
-from tests.lean.features import FEATURES, scene_pair
+from tests.lean.features import ENDS, FEATURES, scene_pair
 
 
 def described(scene: Scene, folder: Path, fmi: int) -> list[str]:
@@ -28,7 +29,13 @@ def accessed(scene: Scene) -> list[str]:
     """What the resource file's accessors lead to, read as the kernel reads it: (kind, index) pairs at its end."""
     variables = variables_of(scene.cable, scene.dropped_outputs)
     content = resource_bytes(scene.cable, variables)
-    states = ["y_m1", *(f"theta[{i}]" for i in range(1, 6)), "v_m1", *(f"omega[{i}]" for i in range(1, 6))]
+    surges = scene.cable.top is Top.FREE
+    q = [
+        "y_m1",
+        *(f"theta[{i}]" for i in range(1, 6)),
+        *["x_m1"][:surges],
+    ]  # with a place for a heave that there is not
+    states = [*q, "v_m1", *(f"omega[{i}]" for i in range(1, 6)), *["vx_m1"][:surges]]
     rows = table()
     names = {
         Kind.TIME: ["time"], Kind.PARAMETER: list(rows.parameters), Kind.INPUT: list(rows.inputs), Kind.STATE: states,
@@ -45,10 +52,10 @@ def present(scene: Scene) -> set[str]:
     return {name for name, row in table().parameters.items() if bits >> row.slot & 1}
 
 
-@pytest.mark.parametrize("name", FEATURES)
+@pytest.mark.parametrize("name", FEATURES | ENDS)
 def test_a_scene_without_a_feature_has_none_of_its_variables(tmp_path: Path, name: str) -> None:
     """The lists differ by exactly the feature's variables, in FMI 2, in FMI 3 and in the accessors."""
-    feature = FEATURES[name]
+    feature = (FEATURES | ENDS)[name]
     having, lacking = scene_pair(name)
     for fmi in (2, 3):
         whole, rest = described(having, tmp_path, fmi), described(lacking, tmp_path, fmi)
@@ -65,4 +72,4 @@ def test_a_state_that_is_no_output_is_only_a_state(name: str) -> None:
     having, _ = scene_pair("water")
     dropped = {v.name: v.causality for v in variables_of(having.cable, [name])}
     assert dropped[name] == "local"
-    assert list(dropped.values()).count("output") == len(table().outputs) + len(table().solver) - 1
+    assert list(dropped.values()).count("output") == len(outputs_of(having.cable)) + len(table().solver) - 1
