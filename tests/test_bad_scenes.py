@@ -273,7 +273,7 @@ BAD_ENDS = [
     ),
     (MOVED_BELOW, "y_1 =", "F_cx =", 'and terminal "motion" has the inputs x_1, y_1, x_2, y_2'),
     (MOVED, "y_1 =", "vy_1 =", "inputs.vy_1"),
-    (MOVED, 'kind = "motion"', 'kind = "motion"\nmass = 5', "top.mass = 5: unknown key; allowed: kind"),
+    (MOVED, 'kind = "motion"', 'kind = "motion"\nmass = 5', "top.mass = 5: unknown key; allowed: kind, acceleration"),
     (MOVED_BELOW, "position = [15, 20]", "", "terminal.position: this key is missing"),
     (
         MOVED_BELOW,

@@ -240,8 +240,10 @@ def _driven(cable: Cable) -> str:
 columns = [("time", float), ("{cable.inputs[0]}", float)]  # s, N
 driven = np.array([(0, 0), (1, 1000), (5, 1000)], dtype=columns)
 """
-    names = ", ".join(f'"{kind}{place}"' for place in places for kind in ("", "v", "a"))
+    every = [f"{kind}{place}" for place in places for kind in ("", "v", "a")]
+    names = ", ".join(f'"{name}"' for name in every if name in cable.inputs)
     first, *others = ((place, cable.input_start.get(place, 0.0)) for place in places)
+    accelerated = f'driven["a{first[0]}"] = np.cos(t)  # m/s2\n' if f"a{first[0]}" in cable.inputs else ""
     resting = "".join(f'driven["{place}"] = {start:.12g}\n' for place, start in others if start)
     return f"""\
 t = np.linspace(0, 10, 101)  # s
@@ -249,8 +251,7 @@ driven = np.zeros(len(t), dtype=[(name, float) for name in ("time", {names})])
 driven["time"] = t
 driven["{first[0]}"] = {first[1]:.12g} + 1 - np.cos(t)  # m
 driven["v{first[0]}"] = np.sin(t)  # m/s
-driven["a{first[0]}"] = np.cos(t)  # m/s2
-{resting}"""
+{accelerated}{resting}"""
 
 
 def _snippet(scene: Scene, variables: Sequence[Variable], file: str) -> str:
