@@ -73,7 +73,9 @@ def scene_words(folder: Path) -> list[str]:
     """
     description = read_model_description(str(folder))
     reference = {v.name: v.valueReference for v in description.modelVariables}
-    known = (reference[name] for name in ("u_m1", "M_1", "solver"))
+    # A force and a mass of whatever floats or hangs.
+    alike = (("u_m1", "F_cx"), ("M_1", "m_c"), ("solver",))
+    known = (next(reference[name] for name in names if name in reference) for names in alike)
     numbers = (max(reference.values()) + 1, description.numberOfContinuousStates, *known)
     return [str(folder / "resources"), description.guid, *map(str, numbers)]
 

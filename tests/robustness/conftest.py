@@ -11,8 +11,9 @@ from tests.robustness.building import compile_with_gcc, compile_with_zig, scene_
 
 @pytest.fixture(scope="session")
 def words(unpacked: Unpacked, unpacked_from_equilibrium: Unpacked) -> list[str]:
-    """A small scene of every kind, and one that starts from equilibrium, as the host wants them on its command line."""
-    folders = [*(unpacked(kind, 3) for kind in KINDS), unpacked_from_equilibrium("load", 3)]
+    """A small scene of every kind with a force and a mass, and one that starts from equilibrium, as the host wants them
+    on its command line."""
+    folders = [*(unpacked(kind, 3) for kind in KINDS if kind != "between"), unpacked_from_equilibrium("load", 3)]
     return [word for folder in folders for word in scene_words(folder)]
 
 

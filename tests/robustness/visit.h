@@ -19,7 +19,7 @@ static const double STEP = 0.0625; /* [s], exact in binary */
 typedef struct {
     const char *location, *token; /* of the resources */
     uint32_t variables, states;   /* how many; value references are 0 ... variables - 1 */
-    uint32_t force, mass, solver; /* value references of u_m1, M_1 and the enumeration solver */
+    uint32_t force, mass, solver; /* value references of u_m1 and M_1, or F_cx and m_c, and of solver */
 } Scene;
 
 typedef struct {
