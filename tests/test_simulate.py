@@ -36,7 +36,7 @@ def test_four_ways_agree(scene: Scene) -> None:
     """Dormand-Prince in the FMU and CVode outside share nothing; both are run at 1e-9."""
     results = [simulate(scene, fmi=fmi, interface=interface, tolerance=1e-9) for fmi, interface in WAYS]
     for other in results[1:]:
-        for name in ("y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c"):
+        for name in {"y_m1", "v_m1", "x_m1", "vx_m1", "x_c", "y_c", "vx_c", "vy_c"} & set(results[0].data_vars):
             np.testing.assert_allclose(other[name], results[0][name], rtol=0.0, atol=2e-6)
         np.testing.assert_allclose(other["tension_max"], results[0]["tension_max"], rtol=1e-5, atol=1e-3)
 

@@ -87,8 +87,8 @@ def assemble(name: str, spec: schema.Spec, signals: Mapping[str, Signal]) -> Cab
 def _input_start(spec: schema.Spec, inputs: tuple[str, ...], signals: Mapping[str, Signal]) -> dict[str, float]:
     """What is not 0 by the file: named signals, and where a vessel at the lower end rests."""
     terminal = spec.terminal
-    is_vessel = isinstance(terminal, schema.MotionEndTable)
-    at_rest = dict(zip(("x_2", "y_2"), terminal.position, strict=True)) if is_vessel else {}
+    place = terminal.position if isinstance(terminal, schema.MotionEndTable) else ()
+    at_rest = dict(zip(("x_2", "y_2"), place, strict=False))
     named = {key: signals[key](0.0) for key in inputs if key in signals}
     return {key: (at_rest | named)[key] for key in inputs if key in at_rest | named}
 
