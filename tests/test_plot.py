@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.image import imread
 
 from cablefmu.errors import OptionError
-from cablefmu.plot import check_picture, draw_frames, node_positions, plot_frames
+from cablefmu.plot import check_picture, draw_frames, node_positions, picture_needs, plot_frames
 from cablefmu.simulate import simulate
 from tests.fmu_helpers import small_scene
 
@@ -81,3 +81,17 @@ def test_without_matplotlib_it_says_what_to_install(result: xr.Dataset, monkeypa
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(OptionError, match=r"pip install 'cablefmu\[plot\]'"):
         draw_frames(result, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "top"), [("surge", ("x_m1", "y_m1")), ("moved", ("x_1", "y_1")), ("between", ("x_1", "y_1"))]
+)
+def test_nodes_begin_where_the_top_is(kind: str, top: tuple[str, str]) -> None:
+    scene = small_scene(kind)
+    run = simulate(scene, stop_time=1.0, record=picture_needs(scene.cable))
+    x, y = node_positions(run)
+    np.testing.assert_array_equal(x[:, 0], run[top[0]])
+    np.testing.assert_array_equal(y[:, 0], run[top[1]])
+    assert np.ptp(y[:, 0]) > 0.05
+    np.testing.assert_allclose(x[:, -1], run["x_c"], rtol=1e-13)
+    np.testing.assert_allclose(y[:, -1], run["y_c"], rtol=1e-13)

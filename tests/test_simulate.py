@@ -36,7 +36,7 @@ def test_four_ways_agree(scene: Scene) -> None:
     """Dormand-Prince in the FMU and CVode outside share nothing; both are run at 1e-9."""
     results = [simulate(scene, fmi=fmi, interface=interface, tolerance=1e-9) for fmi, interface in WAYS]
     for other in results[1:]:
-        for name in ("y_m1", "v_m1", "x_c", "y_c", "vx_c", "vy_c"):
+        for name in {"y_m1", "v_m1", "x_m1", "vx_m1", "x_c", "y_c", "vx_c", "vy_c"} & set(results[0].data_vars):
             np.testing.assert_allclose(other[name], results[0][name], rtol=0.0, atol=2e-6)
         np.testing.assert_allclose(other["tension_max"], results[0]["tension_max"], rtol=1e-5, atol=1e-3)
 
@@ -372,3 +372,21 @@ def test_too_few_links_between_two_ports(with_arrays: dict[str, Path]) -> None:
 def test_only_arrays_have_a_number_of_links() -> None:
     with pytest.raises(OptionError, match="set n: there is no such variable"):
         simulate(small_scene("load"), fmi=3, parameters={"n": 7})
+
+
+# --- motions that are given ---
+
+
+def test_a_vessel_that_was_put_somewhere_rests_there() -> None:
+    """Its velocity and acceleration are not the scene's any more."""
+    run = simulate(small_scene("moved"), stop_time=0.5, parameters={"x_1": 2.0}, record=["x_1", "vx_1", "ax_1", "vy_1"])
+    assert set(run["x_1"].values) == {2.0}
+    assert set(run["vx_1"].values) == set(run["ax_1"].values) == {0.0}
+    assert np.ptp(run["vy_1"].values) > 0.1, "the other coordinate is the scene's"
+
+
+@pytest.mark.parametrize("name", ["vx_1", "ay_1"])
+def test_derivatives_of_a_motion_are_not_set(name: str) -> None:
+    place = f"{name[1]}_1"
+    with pytest.raises(OptionError, match=f"set {name}: it follows {place}, whose derivative it is; that can be set"):
+        simulate(small_scene("moved"), parameters={name: 1.0})

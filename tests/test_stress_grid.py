@@ -11,6 +11,7 @@ import pytest
 
 from cablefmu.cable import Floats, Initial, SolverChoice, Terminal
 from cablefmu.errors import SceneError
+from cablefmu.report_runs import is_measured
 from cablefmu.scene import Scene, load_scene, shipped_scenes
 from cablefmu.signals import Constant, Sine, Steps
 from cablefmu.stress_grid import Case, grid, grid_from
@@ -87,8 +88,11 @@ def test_at_most_five_per_cent_may_end_in_an_error_and_no_shipped_scene() -> Non
 
 
 def test_every_shipped_scene_is_in_it_as_it_ships() -> None:
+    """But for ends whose errors are not measured."""
     shipped = [case for case in grid() if case.group == "shipped"]
-    assert sorted(case.base for case in shipped) == sorted(shipped_scenes())
+    assert sorted(case.base for case in shipped) == sorted(
+        name for name in shipped_scenes() if is_measured(load_scene(name))
+    )
     for case in shipped:
         scene, original = case.scene(), load_scene(case.base)
         np.testing.assert_array_equal(scene.cable.position, original.cable.position)

@@ -185,6 +185,13 @@ class Cable:
         }[self.top]
         return frozenset((*of_top, *(PORT_OUTPUTS[2] if self.terminal is not Terminal.MOTION else ())))
 
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """What the entries of q are called in the FMU."""
+        heave = ("y_m1",) if self.top is not Top.MOTION else ()
+        surge = ("x_m1",) if self.top is Top.FREE else ()
+        return (*heave, *(f"theta[{i}]" for i in range(1, self.n + 1)), *surge)
+
     def angles_in(self, q: Floats) -> Floats:
         """The link angles of such a vector, shape (n,) [rad]."""
         first = 0 if self.top is Top.MOTION else 1

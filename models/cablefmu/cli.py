@@ -22,7 +22,7 @@ from .fmu.archive import build_fmu, default_path, open_fmu
 from .fmu.platforms import PLATFORMS
 from .fmu.twin import build_twin
 from .fmu.variables import ENUMERATIONS
-from .plot import check_picture, plot_frames
+from .plot import check_picture, picture_needs, plot_frames
 from .progress import showing_progress
 from .provenance import version_text
 from .report import ACCURACY, LIMIT
@@ -153,14 +153,15 @@ def run(
     given = _assignments(set_ or [])
     asked = [name for text in record or [] for name in text.split(",")]
     saved_fmi = None if from_state is None else read_state(from_state).fmi
-    what, name, frame_interval = _archive_for(scene, fmi, saved_fmi)
+    what, of = _archive_for(scene, fmi, saved_fmi)
+    name = of.name
     results = output or Path("build") / f"{name}.csv"
     if results.suffix not in {".csv", ".nc"}:
         raise OptionError(f"output = {results}: a name that ends with .csv or .nc is expected")
     check_writable(results)
     if plot:
         check_picture(plot)
-    wanted = [*asked, *(("theta", "y_m1") if plot else ())]
+    wanted = [*asked, *(picture_needs(of.cable) if plot else ())]
     failure: RunError | None = None
     with showing_progress(name) as progress:
         try:
@@ -172,9 +173,9 @@ def run(
             if error.partial is None:
                 raise
             failure, result = error, error.partial  # type: ignore[assignment]
-    written = write_results(_without_angles(result, asked), results)
+    written = write_results(_as_asked(result, asked), results)
     if plot:
-        plot_frames(result, plot, frame_interval)
+        plot_frames(result, plot, of.frame_interval)
     print_summary(result, Console())
     also = {"picture": plot, "state": save_state if failure is None else None}
     print(
@@ -243,25 +244,26 @@ def couple(
 app.command(stress)
 
 
-def _without_angles(result: xr.Dataset, record: list[str]) -> xr.Dataset:
-    """Without the angles that only the picture needed."""
+def _as_asked(result: xr.Dataset, record: list[str]) -> xr.Dataset:
+    """Without the angles, and places of vessels, that only the picture needed."""
+    result = result.drop_vars([name for name in ("x_1", "y_1") if name in result and name not in record])
     if "theta" not in result or any(name.startswith("theta") for name in record):
         return result
     result = result.drop_vars("theta")
     return result if any("link" in v.dims for v in result.data_vars.values()) else result.drop_dims("link")
 
 
-def _archive_for(scene: str, fmi: int | None, saved_fmi: int | None) -> tuple[Path, str, float]:
-    """The FMU to run, made anew unless it was given; the name of its scene; the time between pictures [s]."""
+def _archive_for(scene: str, fmi: int | None, saved_fmi: int | None) -> tuple[Path, Scene]:
+    """The FMU to run, made anew unless it was given, and its scene."""
     if Path(scene).suffix == ".fmu":
         archive = open_fmu(scene)
         if fmi not in (None, archive.fmi):
             raise OptionError(f"fmi = {fmi}: {scene} is an FMU of version {archive.fmi}; leave --fmi out")
-        return archive.path, archive.scene.name, archive.scene.frame_interval
-    loaded: Scene = load_scene(scene)
+        return archive.path, archive.scene
+    loaded = load_scene(scene)
     version = fmi or saved_fmi or 2
     path = build_fmu(loaded, default_path(loaded, version), fmi=version)
-    return path, loaded.name, loaded.frame_interval
+    return path, loaded
 
 
 def _assignments(texts: list[str]) -> dict[str, float | str]:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from .cable import Floats
+from .cable import Cable, Floats, Top
 from .errors import OptionError
 from .files import check_writable, replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_picture", "draw_frames", "need_matplotlib", "node_positions", "plot_frames"]
+__all__ = ["check_picture", "draw_frames", "need_matplotlib", "node_positions", "picture_needs", "plot_frames"]
 
 
 def node_positions(result: xr.Dataset) -> tuple[Floats, Floats]:
@@ -25,18 +25,27 @@ def node_positions(result: xr.Dataset) -> tuple[Floats, Floats]:
     Parameters
     ----------
     result
-        With `theta` over (time, link) and `y_m1`, as `simulate(..., record=["theta", "y_m1"])` gives them.
+        With `theta` over (time, link) and where the top is, as `simulate(..., record=picture_needs(cable))` gives them.
 
     Returns
     -------
     x, y
-        Each of shape (times, n + 1) [m]; P_0 = (0, y_m1), P_i = P_{i-1} + l_i (sin th_i, cos th_i).
+        Each of shape (times, n + 1) [m]; P_0 = (x_m1, y_m1) or (x_1, y_1), P_i = P_{i-1} + l_i (sin th_i, cos th_i).
     """
-    length, theta, heave = result["link_length"].values, result["theta"].values, result["y_m1"].values
-    start = np.zeros((len(theta), 1))
-    x = np.hstack([start, np.cumsum(length * np.sin(theta), axis=1)])
-    y = heave[:, None] + np.hstack([start, np.cumsum(length * np.cos(theta), axis=1)])
+    length, theta = result["link_length"].values, result["theta"].values
+    nothing = np.zeros(len(theta))
+    x, y = (
+        next((result[name].values for name in names if name in result), nothing)[:, None]
+        + np.hstack([nothing[:, None], np.cumsum(length * along(theta), axis=1)])
+        for names, along in ((("x_m1", "x_1"), np.sin), (("y_m1", "y_1"), np.cos))
+    )
     return x, y
+
+
+def picture_needs(cable: Cable) -> tuple[str, ...]:
+    """What a run must record for its picture: link angles and where the top is."""
+    top = {Top.FLOATER: ("y_m1",), Top.FREE: ("x_m1", "y_m1"), Top.MOTION: ("x_1", "y_1")}[cable.top]
+    return ("theta", *top)
 
 
 def plot_frames(result: xr.Dataset, path: Path, interval: float) -> None:
@@ -45,7 +54,7 @@ def plot_frames(result: xr.Dataset, path: Path, interval: float) -> None:
     Parameters
     ----------
     result
-        With `theta` and `y_m1`, see `node_positions`.
+        With link angles and the top, see `node_positions`.
     path
         Picture to write; the suffix says of which kind (.png, .svg, .pdf).
     interval

@@ -19,7 +19,7 @@ from .plot import need_matplotlib
 from .report import ACCURACY, LIMIT, Report, check_options, make_report
 from .report_files import write_index, write_markdown, write_report
 from .report_ladder import PEERS, Said
-from .report_runs import SOLVERS
+from .report_runs import SOLVERS, is_measured
 from .report_tables import Sheet, overview, sheets
 from .scene import Scene, load_scene, shipped_scenes
 
@@ -93,6 +93,7 @@ def _scenes(names: Sequence[str], all_: bool) -> list[Scene]:
     if all_ == bool(names):
         raise OptionError("scenes: names of scenes are expected, or --all for those that ship, and not both")
     scenes = [load_scene(name) for name in (shipped_scenes() if all_ else names)]
+    scenes = [scene for scene in scenes if not all_ or is_measured(scene)]
     for k, scene in enumerate(scenes):
         if scene.name in {before.name for before in scenes[:k]}:
             raise OptionError(

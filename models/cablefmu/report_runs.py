@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 from fmpy import extract, read_model_description
 
-from .cable import Floats, Initial
+from .cable import Floats, Initial, Terminal, Top
 from .drive import Driver, make_driver
-from .errors import RunError
+from .errors import OptionError, RunError
 from .feed import Feed
 from .fmu.archive import build_fmu
 from .fmu.platforms import for_this_machine
@@ -38,6 +38,7 @@ __all__ = [
     "course",
     "distance",
     "fmu_runs",
+    "is_measured",
     "output_times",
     "timed",
     "whole",
@@ -241,9 +242,25 @@ def _advance(driver: Driver, feed: Feed, time: float, end: float) -> None:
 
 @contextmanager
 def fmu_runs(scene: Scene) -> Iterator[FmuRuns]:
-    """Build and unpack a scene's FMU in a folder of its own, for as long as it is needed."""
+    """Build and unpack a scene's FMU in a folder of its own, for as long as it is needed.
+
+    Raises
+    ------
+    OptionError
+        A scene that is not measured.
+    """
+    if not is_measured(scene):
+        raise OptionError(
+            f"scene {scene.name}: errors are measured of a terminal and of a floater that heaves alone; one with "
+            'such a top, and a terminal that is not of kind "motion", is expected'
+        )
     with tempfile.TemporaryDirectory(prefix="cablefmu-") as folder:
         yield FmuRuns(scene, Path(folder))
+
+
+def is_measured(scene: Scene) -> bool:
+    """Whether errors of this scene are measured: of ends that surge or whose motion is given they are not."""
+    return scene.cable.top is Top.FLOATER and scene.cable.terminal is not Terminal.MOTION
 
 
 def whole(scene: Scene) -> Scene:

@@ -26,6 +26,7 @@ from .fmu.variables import Kind, Variable, elements_of, variables_of
 from .results import Recording, dataset
 from .saved_state import SavedState, check_saved, check_saving, hash_of, read_state, resume, write_state
 from .scene import Scene, load_scene
+from .scene_inputs import FOLLOWING
 from .scene_schema import MAX_LINKS
 from .signals import Constant
 from .statics_results import STATICS_GROUPS, joined, statics_dataset
@@ -238,6 +239,8 @@ def _check_given(name: str, value: float | str, variables: Mapping[str, Variable
     settable = [v.name for v in variables.values() if v.kind in SETTABLE and v.initial != "calculated"]
     if name not in variables:
         raise OptionError(f"set {name}: there is no such variable{_nearest(name, settable)}")
+    if name in FOLLOWING and name in settable:
+        raise OptionError(f"set {name}: it follows {FOLLOWING[name][0]}, whose derivative it is; that can be set")
     if name not in settable:
         raise OptionError(f"set {name}: it is calculated and cannot be set; parameters, inputs and start values can")
     enumeration = variables[name].enumeration
@@ -288,8 +291,10 @@ def _run(
     elements = elements_of(variables, scene.cable.n)
     by_name = {variable.name: variable for variable in variables}
     signals = {name: scene.signals[name] for name in scene.cable.inputs}
-    # A force that was set is constant, in place of the scene's.
+    # A force that was set is constant, in place of the scene's; a vessel that was put somewhere rests there.
     signals |= {name: Constant(float(value)) for name, value in settings.given.items() if name in signals}
+    rests = {name for name, (place, _) in FOLLOWING.items() if place in settings.given and name in signals}
+    signals |= dict.fromkeys(rests, Constant(0.0))
     feed = Feed(signals)
     recording = Recording([*_outputs(elements), *_recorded(elements, settings.record)])
     driver = make_driver(archive.fmi, settings.interface, archive.description, folder, feed)

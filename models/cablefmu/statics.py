@@ -2,7 +2,7 @@
 
 All of it in the kernel's O(n). A state of rest is a stable equilibrium under constant inputs: forces balance and the
 tangent stiffness is positive definite. An anchor that is held by its mass alone stands still here, as a pin does: of
-itself it would rest nowhere but below the floater.
+itself it would rest nowhere but below the floater. A vessel that moves an end stands still where its inputs have it.
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from .cable import Cable, Floats, Terminal
+from .cable import Cable, Floats, Terminal, Top
 from .errors import OptionError, RunError
 from .fmu.table import table
 from .kernel import KernelModel, StaticsStatus
 from .scene import Scene, load_scene
+from .scene_inputs import FOLLOWING
 
 __all__ = ["ENDS", "Equilibrium", "Modes", "What", "end_stiffness", "equilibrium", "modes"]
 
@@ -42,9 +43,10 @@ class Equilibrium:
     cable: Cable
     """With the parameters that were given; an anchor of mass as a pin where it stands"""
     inputs: Mapping[str, float]
-    """Constant forces that it rests under, by name [N]"""
+    """Constant forces that it rests under, by name [N], and where vessels are [m]"""
     q: Floats
-    """(heave of floater 1, link angles), shape (n + 1,) [m, rad]"""
+    """As `Cable.position`: heave of floater 1, link angles, surge, as far as there are any, shape (coordinates,)
+    [m, rad]"""
     forces: Floats
     """Force through every node on what is below it, from the top joint to the terminal, shape (n + 1, 2) [N]"""
     residual: float
@@ -54,18 +56,23 @@ class Equilibrium:
 
     @property
     def heave(self) -> float:
-        """Displacement of floater 1, positive down [m]."""
-        return float(self.q[0])
+        """Displacement of floater 1, or of the vessel at the top, positive down [m]."""
+        return self.top[1]
+
+    @property
+    def top(self) -> tuple[float, float]:
+        """Position of the top joint (x, y) [m]."""
+        return _top_of(self.cable, self.q, self.inputs)
 
     @property
     def angles(self) -> Floats:
         """Link angles, shape (n,) [rad]."""
-        return self.q[1:]
+        return self.cable.angles_in(self.q)
 
     @property
     def points(self) -> Floats:
         """The nodes from the top joint to the terminal, shape (n + 1, 2) [m]."""
-        top = np.array([[0.0, self.heave]])
+        top = np.array([self.top])
         return np.cumsum(np.vstack([top, self.cable.links.length[:, None] * self._along]), axis=0)
 
     @property
@@ -94,7 +101,7 @@ class Modes:
     pulsation: Floats
     """shape (modes,) [rad/s]"""
     shapes: Floats
-    """(heave, link angles) of each, shape (modes, n + 1) [m, rad], per sqrt(kg) m: modal masses are 1 kg m^2"""
+    """As `Equilibrium.q` of each, shape (modes, coordinates) [m, rad], per sqrt(kg) m: modal masses are 1 kg m^2"""
 
     @property
     def frequency(self) -> Floats:
@@ -116,7 +123,7 @@ def equilibrium(
     what
         A scene, the name of one that ships, the path of a TOML file, a cable, or an equilibrium to start from.
     inputs
-        Constant forces by name [N]; those of the start where one is not named.
+        Constant forces by name [N], and where vessels are [m]; those of the start where one is not named.
     parameters
         Values of the cable's parameters by name, SI. What a scene derived at build time stays.
 
@@ -221,7 +228,7 @@ def end_stiffness(
     model = KernelModel(cable)
     model.rest(cable.position, forces)
     negative = model.factor(stiffness=1.0, mass=0.0)
-    unit = _end_jacobian(found)
+    unit = _end_jacobian(cable, cable.position)
     unit[:, 0] = 0.0  # the top does not move
     compliance = np.array([unit @ model.solve(force).change for force in unit]) if negative >= 0 else np.zeros((2, 2))
     compliance = 0.5 * (compliance + compliance.T)
@@ -245,12 +252,17 @@ def _cable_of(
         cable, forces = replace(what.cable, position=what.q), dict(what.inputs)
     else:
         cable = what if isinstance(what, Cable) else (what if isinstance(what, Scene) else load_scene(what)).cable
-        forces = {name: cable.input_start.get(name, 0.0) for name in cable.inputs}
+        # At rest a vessel stands still.
+        forces = {name: 0.0 if name in FOLLOWING else cable.input_start.get(name, 0.0) for name in cable.inputs}
     for name, value in parameters.items():
         _check_parameter(cable, name, value)
+    for name in FOLLOWING:
+        if inputs.get(name, 0.0) != 0.0:
+            place = FOLLOWING[name][0]
+            raise OptionError(f"input {name} = {inputs[name]}: at rest a vessel stands still; {place} says where")
     cable = replace(cable, parameters=cable.parameters | dict(parameters))
     if cable.terminal is Terminal.ANCHOR_MASS:
-        x, y = _end_of(cable, cable.position)
+        x, y = _end_of(cable, cable.position, forces | dict(inputs))
         left = {name: value for name, value in cable.parameters.items() if name != "m_c"}
         cable = replace(cable, terminal=Terminal.PIN, rest_position=(x, y), parameters=left)
     return cable, forces | dict(inputs)
@@ -273,15 +285,25 @@ def _settled(what: What, inputs: Mapping[str, float] | None, parameters: Mapping
     return equilibrium(what, inputs, parameters)
 
 
-def _end_of(cable: Cable, q: Floats) -> tuple[float, float]:
-    length = cable.links.length
-    return float(length @ np.sin(q[1:])), float(q[0] + length @ np.cos(q[1:]))
+def _top_of(cable: Cable, q: Floats, inputs: Mapping[str, float]) -> tuple[float, float]:
+    """P_0, of a floater in q and of a vessel among the inputs [m]."""
+    x, y = replace(cable, position=q, input_start=dict(inputs)).start_of_top
+    return float(x), float(y)
 
 
-def _end_jacobian(found: Equilibrium) -> Floats:
-    """dP_n/dq, shape (2, n + 1)."""
-    length, angles = found.cable.links.length, found.angles
-    return np.array([np.append(0.0, length * np.cos(angles)), np.append(1.0, -length * np.sin(angles))])
+def _end_of(cable: Cable, q: Floats, inputs: Mapping[str, float]) -> tuple[float, float]:
+    length, angles = cable.links.length, cable.angles_in(q)
+    x, y = _top_of(cable, q, inputs)
+    return x + float(length @ np.sin(angles)), y + float(length @ np.cos(angles))
+
+
+def _end_jacobian(cable: Cable, q: Floats) -> Floats:
+    """dP_n/dq, shape (2, coordinates)."""
+    length, angles = cable.links.length, cable.angles_in(q)
+    of_links = np.array([length * np.cos(angles), -length * np.sin(angles)])
+    heave = [] if cable.top is Top.MOTION else [[[0.0], [1.0]]]
+    surge = [[[1.0], [0.0]]] if cable.top is Top.FREE else []
+    return np.hstack([*heave, of_links, *surge])
 
 
 # --- modes ---
@@ -289,12 +311,13 @@ def _end_jacobian(found: Equilibrium) -> Floats:
 
 def _dense_modes(model: KernelModel, found: Equilibrium, count: int) -> tuple[Floats, Floats]:
     """Squared pulsations, and shapes in rows."""
-    units = np.eye(found.cable.n + 1)
+    units = np.eye(found.cable.coordinates)
     stiffness = np.array([model.product(unit, stiffness=1.0, mass=0.0) for unit in units])
     mass = np.array([model.product(unit, stiffness=0.0, mass=1.0) for unit in units])
-    basis = null_space(_end_jacobian(found)) if found.cable.terminal is Terminal.PIN else units
+    is_held = found.cable.terminal in (Terminal.PIN, Terminal.MOTION)
+    basis = null_space(_end_jacobian(found.cable, found.q)) if is_held else units
     if basis.shape[1] == 0:
-        return np.empty(0), np.empty((0, found.cable.n + 1))
+        return np.empty(0), np.empty((0, found.cable.coordinates))
     k, m = (basis.T @ (0.5 * (matrix + matrix.T)) @ basis for matrix in (stiffness, mass))
     squares, shapes = eigh(k, m, subset_by_index=(0, min(count, len(k)) - 1))
     return squares, (basis @ shapes).T
@@ -302,7 +325,7 @@ def _dense_modes(model: KernelModel, found: Equilibrium, count: int) -> tuple[Fl
 
 def _sparse_modes(model: KernelModel, found: Equilibrium, count: int) -> tuple[Floats, Floats]:
     """The same for many coordinates. Solutions hold a pinned end by themselves, so that no basis is needed."""
-    size = found.cable.n + 1
+    size = found.cable.coordinates
     if model.factor(stiffness=1.0, mass=0.0) != 0:
         raise RunError(
             "the tangent stiffness at this equilibrium is not positive definite; there are no modes about it"
@@ -335,6 +358,7 @@ def _with_a_free_end(found: Equilibrium) -> tuple[Cable, dict[str, float]]:
     top, end = -found.forces[0], -found.forces[-1]
     cable = replace(
         found.cable,
+        top=Top.FLOATER,
         terminal=Terminal.LOAD,
         rest_position=(0.0, 0.0),
         parameters={name: given[name] for name in kept if name in given}

@@ -36,7 +36,8 @@ def statics_dataset(scene: Scene, given: Mapping[str, float | str], wanted: Sequ
     Returns
     -------
     xarray.Dataset
-        "modes": `frequency` [Hz], `mode_heave` and `mode_shape` over `mode` and `link`; "stiffness": `end_stiffness`
+        "modes": `frequency` [Hz], `mode_heave`, `mode_surge` where floater 1 has them, `mode_shape` over `mode` and
+        `link`; "stiffness": `end_stiffness`
         [N/m] over `end_force` and `end_displacement`.
 
     Raises
@@ -67,25 +68,38 @@ def joined(result: xr.Dataset, more: xr.Dataset) -> xr.Dataset:
 def _moved(cable: Cable, given: Mapping[str, float]) -> Cable:
     """With the start values that were given: where the search begins."""
     position = cable.position.copy()
-    for k, name in enumerate(("y_m1", *(f"theta[{i}]" for i in range(1, cable.n + 1)))):
+    for k, name in enumerate(cable.coordinate_names):
         position[k] = given.get(name, position[k])
     return replace(cable, position=position)
+
+
+_OF_FLOATER = {
+    "y_m1": ("mode_heave", "Heave", "positive down"),
+    "x_m1": ("mode_surge", "Surge", "positive to the right"),
+}
 
 
 def _modes(found: Modes) -> xr.Dataset:
     about = "about the equilibrium for the inputs of the start"
     cable = found.equilibrium.cable
+    column = dict(zip(cable.coordinate_names, found.shapes.T, strict=True))
+    ends = {
+        name: (
+            "mode",
+            column[key],
+            {"units": "m", "long_name": f"{what} of floater 1 {about}, modal mass 1 kg m2, {sign}"},
+        )
+        for key, (name, what, sign) in _OF_FLOATER.items()
+        if key in column
+    }
     return xr.Dataset(
         {
             "frequency": (
                 "mode", found.frequency, {"units": "Hz", "long_name": f"Undamped natural frequency {about}"},
             ),
-            "mode_heave": (
-                "mode", found.shapes[:, 0],
-                {"units": "m", "long_name": f"Heave of floater 1 {about}, modal mass 1 kg m2, positive down"},
-            ),
+            **ends,
             "mode_shape": (
-                ("mode", "link"), found.shapes[:, 1:],
+                ("mode", "link"), cable.angles_in(found.shapes.T).T,
                 {"units": "rad", "long_name": f"Link angles {about}, modal mass 1 kg m2, positive towards +x"},
             ),
         },
@@ -120,8 +134,11 @@ def write_statics(result: xr.Dataset, path: Path) -> list[Path]:
     """
     written = []
     if "frequency" in result:
-        shapes = np.column_stack([result["frequency"], result["mode_heave"], result["mode_shape"]])
-        head = ["mode", "frequency", "y_m1", *(f"theta[{link}]" for link in result["link"].values)]
+        of_floater = {key: name for key, (name, _, _) in _OF_FLOATER.items() if name in result}
+        shapes = np.column_stack(
+            [result["frequency"], *(result[name] for name in of_floater.values()), result["mode_shape"]]
+        )
+        head = ["mode", "frequency", *of_floater, *(f"theta[{link}]" for link in result["link"].values)]
         rows = [[number, *row] for number, row in zip(result["mode"].values.tolist(), shapes.tolist(), strict=True)]
         written.append(_write(path.with_suffix(".modes.csv"), [head, *rows]))
     if "end_stiffness" in result:
