@@ -22,6 +22,7 @@ from .errors import OptionError, RunError
 from .fmu.platforms import PLATFORMS, this_platform
 from .fmu.platforms import library as library_of
 from .fmu.table import table
+from .fmu.variables import outputs_of
 
 __all__ = ["BINDINGS", "KernelModel", "Rest", "Search", "Solution", "StaticsStatus", "library"]
 
@@ -175,7 +176,7 @@ class KernelModel:
         return self.cable.unpadded(derivative)
 
     def outputs(self, x: Floats, forces: Floats) -> dict[str, float]:
-        """Evaluate every output that such a cable has by its FMI name, for x and `forces` as `derivatives` takes them.
+        """Evaluate every output that the cable has by its FMI name, for x and `forces` as `derivatives` takes them.
 
         Raises
         ------
@@ -187,8 +188,8 @@ class KernelModel:
             raise OptionError(f"x: {2 * self.cable.coordinates} finite numbers are expected")
         if not self._library.kernel_outputs(self._handle, self._padded(x), forces, values):
             raise OptionError(_WOUND_UP)
-        every = zip(table().outputs, values.tolist(), strict=True)
-        return {name: value for name, value in every if name not in self.cable.absent_outputs}
+        rows = table().outputs
+        return {name: float(values[rows[name].slot]) for name in outputs_of(self.cable)}
 
     def equilibrium(self, q: ArrayLike, inputs: Mapping[str, float]) -> Search:
         """Search for a stable equilibrium near `q` under inputs by name [N].

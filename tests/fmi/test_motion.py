@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from scipy.interpolate import BPoly
 
 from cablefmu.cable import Cable, Floats
@@ -316,3 +317,62 @@ def test_a_start_away_from_rest(fmi: int, unpacked: Unpacked) -> None:
         assert host.get("x_2", "y_2") == pytest.approx([12.0, 12.9])
         # The shape meets the port to 1e-9 of the cable.
         assert host.get("x_c", "y_c") == pytest.approx(host.get("x_2", "y_2"), abs=2e-8)
+
+
+# --- without accelerations ---
+
+
+def unaccelerated(kind: str) -> Scene:
+    text = SCENES[kind].replace('kind = "motion"', 'kind = "motion"\nacceleration = false')
+    return Scene.from_text(text, name=kind)
+
+
+@pytest.mark.parametrize("kind", MOVED)
+def test_a_host_without_accelerations_has_first_order(kind: str, tmp_path: Path) -> None:
+    """What v did since the last step takes their place; at the first step nothing does."""
+    scene, errors = unaccelerated(kind), []
+    assert not any(name[0] == "a" for name in scene.cable.inputs)
+    folder = unpack(scene, tmp_path, 2)
+    for step in (0.05, 0.025, 0.0125):
+        with Host(folder) as host:
+            errors.append(float(np.max(np.abs(held(host, scene, step) - truth(kind)))))
+    observed = np.log2(np.array(errors[:-1]) / errors[1:])
+    np.testing.assert_allclose(observed, 1.0, rtol=0, atol=0.5, err_msg=str(errors))
+
+
+def test_the_slope_of_the_velocity_is_the_acceleration(tmp_path: Path, unpacked: Unpacked) -> None:
+    """Given for each step, the run is to the bit that with the same accelerations held."""
+    scene = unaccelerated("moved")
+
+    def slopes(time: float) -> Iterable[tuple[str, int, float]]:
+        return [(name, 1, scene.signals[name].derivatives(time, 1)[0]) for name in ("vx_1", "vy_1")]
+
+    with Host(unpack(scene, tmp_path, 2)) as host, Host(unpacked("moved", 2)) as other:
+        found = held(host, scene, 0.1, slopes)
+        np.testing.assert_array_equal(found, held(other, small_scene("moved"), 0.1))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_its_state_saved_in_mid_run_goes_on_with_the_same_bits(fmi: int, tmp_path: Path) -> None:
+    """The velocity of the step before belongs to it."""
+    scene = unaccelerated("between")
+    folder = unpack(scene, tmp_path, fmi)
+    with Host(folder) as host, Host(folder) as other:
+        host.initialize()
+        for k in range(3):
+            host.set_all(inputs_at(scene, 0.1 * k))
+            host.step(0.1 * k, 0.1)
+        other.initialize().load(host.save())
+        for each in (host, other):
+            each.set_all(inputs_at(scene, 0.3))
+            each.step(0.3, 0.1)
+        assert host.get("F_1x", "F_2y", *angles(scene.cable)) == other.get("F_1x", "F_2y", *angles(scene.cable))
+        assert host.save() == other.save()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_model_exchange_needs_accelerations(fmi: int, tmp_path: Path) -> None:
+    """It is not offered, and refused to who asks all the same."""
+    folder = unpack(unaccelerated("moved"), tmp_path, fmi)
+    description = read_model_description(str(folder), validate=True)
+    assert description.modelExchange is None and description.coSimulation is not None

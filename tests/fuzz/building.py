@@ -73,30 +73,13 @@ def write_scenes(folder: Path) -> Path:
     ]
     equilibrium = from_equilibrium(scenes[1])
     every = [*((scene, False) for scene in [*scenes, equilibrium]), (scenes[1], True), (equilibrium, True)]
-    every += [(scene, True) for scene in scenes[3:]]  # springs, a pin and a floater: they hang between two ends
-    every += [(Scene.from_text(text, name=name), False) for name, text in _ports().items()]
+    every += [(scene, True) for scene in scenes[3:]]  # whatever hangs between two ends, surges or is moved
     for number, (scene, arrays) in enumerate(every):
         unpacked = folder / f"scene-{number}" / f"{scene.name}-3"
         path = build_fmu(scene, folder / f"scene-{number}.fmu", fmi=3, arrays=arrays)
         extract(str(path), unzipdir=str(unpacked))
         (target / f"{number}.bin").write_bytes((unpacked / "resources" / "cable.bin").read_bytes())
     return target
-
-
-def _ports() -> dict[str, str]:
-    """Scenes with an end whose motion is given, and with a floater that surges."""
-    top = SCENES["pin"].index("[top]")
-    rest = SCENES["pin"].index("[", top + 1)
-    floater = SCENES["pin"][top:rest]
-    towed = SCENES["load"].replace(floater, '[top]\nkind = "motion"\n').replace("links = 5", "links = 2")
-    both_ways = floater + "stiffness_horizontal = 100\ndamping_horizontal = 10\n"
-    lifted = SCENES["pin"].replace(floater, both_ways).replace('kind = "pin"', 'kind = "motion"')
-    return {"towed": _without_forces(towed), "lifted": lifted.replace("links = 5", "links = 3")}
-
-
-def _without_forces(scene: str) -> str:
-    """Whose top has no force input."""
-    return re.sub(r"^u_m1\b.*\n", "", scene, flags=re.MULTILINE)
 
 
 _INSTEAD = {"u_m1": "ay_1", "M_1": "g", "y_m1": "y_c"}

@@ -8,7 +8,7 @@
 #include "fmi/resource.h"
 #include "host.h"
 
-enum { MOST_SCENES = 16 };
+enum { MOST_SCENES = 32 };
 Scene scenes[MOST_SCENES];
 size_t scene_count;
 

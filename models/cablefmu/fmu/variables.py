@@ -22,6 +22,7 @@ __all__ = [
     "Kind",
     "Variable",
     "elements_of",
+    "outputs_of",
     "variables_of",
 ]
 
@@ -320,14 +321,20 @@ def _add_outputs(listing: _Listing, cable: Cable, states: list[Variable], droppe
         "energy": stretched + y + angles + vx + vy + rates,
         **dict.fromkeys(masses, angles),
     }
-    for name, row in table().outputs.items():
-        if name in dropped or name in STATE_OUTPUTS or name in cable.absent_outputs:
+    for name in outputs_of(cable):
+        if name in dropped or name in STATE_OUTPUTS:
             continue
+        row = table().outputs[name]
         listing.add(
             name, Kind.OUTPUT, row.slot, row.unit, f"{row.description}; {FRAME}", causality="output",
             variability="continuous", initial="calculated", nominal=row.nominal, depends_on=depends_on.get(name),
             on_all_at_start=name in masses | {"energy"} or begin.on_all,
         )  # fmt: skip
+
+
+def outputs_of(cable: Cable) -> list[str]:
+    """Names of the outputs that the cable has, those that are states among them, in the order of the table."""
+    return [name for name in table().outputs if name not in cable.absent_outputs]
 
 
 def _add_health(listing: _Listing, cable: Cable, dropped: set[str]) -> None:
