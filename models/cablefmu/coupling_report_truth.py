@@ -119,7 +119,8 @@ def _extrapolated(system: System, reason: str) -> Truth:
     algorithm = "iterated" if system.can_repeat else "gauss-seidel"
     step = system.settings.step / _FINEST
     fine, coarse = (
-        run_system(varied(system, algorithm=algorithm, extrapolation=2, step=h, adaptive=None)) for h in (step, 2.0 * step)
+        run_system(varied(system, algorithm=algorithm, extrapolation=2, step=h, adaptive=None))
+        for h in (step, 2.0 * step)
     )
     common = coarse["time"].values
     positions, off = {}, 0.0
