@@ -195,7 +195,8 @@ def report(
     accuracy: Annotated[
         float | None,
         Parameter(
-            help="Position error [m] that a setting is recommended for; 1e-4 for scenes, 1 % of the motion for couplings."
+            help="Position error [m] that a setting is recommended for; 1e-4 for scenes, "
+            "1 % of the motion for couplings."
         ),
     ] = None,
     limit: Annotated[float, Parameter(help="CPU time [s] that a single run may take.")] = LIMIT,

@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
+from .cable import Floats
 from .coupling.description import Coupling
 from .coupling.run import run_system
 from .coupling.schema import ALGORITHMS, AdaptiveSpec
@@ -105,11 +106,11 @@ class CouplingReport:
     def own(self) -> CoupledRow | None:
         """The run with the settings of the file; None if those are not among what was tried."""
         asked = self.coupling.spec.coupling
-        for row in self.rows:
-            if (row.algorithm, row.extrapolation, row.adaptive) == (asked.algorithm, asked.extrapolation, None):
-                if math.isclose(row.step, asked.step) and asked.adaptive is None:
-                    return row
-        return None
+        if asked.adaptive is not None:
+            return None
+        setting = (asked.algorithm, asked.extrapolation, None)
+        same = [row for row in self.rows if (row.algorithm, row.extrapolation, row.adaptive) == setting]
+        return next((row for row in same if math.isclose(row.step, asked.step)), None)
 
     @property
     def recommended(self) -> CoupledRow | None:
@@ -281,7 +282,8 @@ def _timed(system: System, limit: float) -> tuple[xr.Dataset, float]:
     return result, cheapest
 
 
-def _off(result: xr.Dataset, truth: Truth, names: Sequence[str]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _off(result: xr.Dataset, truth: Truth, names: Sequence[str]) -> Floats:
     """Largest error of a position over the run's times [m], shape (m,)."""
     right = truth.at(result["time"].values)
-    return np.max([np.abs(result[name].values - values) for name, values in right.items() if name in names], axis=0)
+    off = [np.abs(result[name].values - values) for name, values in right.items() if name in names]
+    return np.asarray(np.max(off, axis=0), dtype=float)

@@ -51,11 +51,10 @@ def _figure(
     for algorithm, color in _COLORS.items():
         for extrapolation, style in enumerate(_STYLES):
             rows = [
-                row for row in report.rows
-                if (row.algorithm, row.extrapolation, row.adaptive) == (algorithm, extrapolation, None) and row.is_stable
+                row for row in report.rows if (row.algorithm, row.extrapolation) == (algorithm, extrapolation)
             ]  # fmt: skip
             label = f"{algorithm}, {ORDER_NAMES[extrapolation]}"
-            points = [(across(row), max(up(row), _ZERO)) for row in rows]
+            points = [(across(row), max(up(row), _ZERO)) for row in rows if row.is_stable and not row.adaptive]
             if points:
                 axes.plot(*zip(*points, strict=True), style, color=color, markersize=4, linewidth=1.2, label=label)
         rows = [row for row in report.rows if row.algorithm == algorithm and row.adaptive and row.is_stable]

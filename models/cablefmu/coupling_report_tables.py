@@ -57,8 +57,8 @@ def _families(report: CouplingReport) -> Sheet:
     ]  # fmt: skip
     head = ("algorithm", "inputs", "order", "stable up to [s]", "accurate up to [s]", "others")
     note = (
-        "Order in the step of the error after the start-up, expected 1, 2, 3 for inputs held, linear, quadratic. Stable: the "
-        "run ends, and errs by less than the motion itself; up to the step that is named all shorter ones did as well."
+        "Order in the step of the error after the start-up; 1, 2, 3 are expected of inputs held, linear, quadratic. "
+        "Stable: the run ends, and errs by less than the motion itself, with this step and all shorter ones."
     )
     return Sheet("Orders and largest steps", head, rows, note)
 

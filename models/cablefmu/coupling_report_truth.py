@@ -129,5 +129,5 @@ def _extrapolated(system: System, reason: str) -> Truth:
         correction = (both - coarse[name].values) / (2.0**_ORDER - 1.0)
         positions[name] = both + correction
         off = max(off, float(np.abs(correction).max()))
-    words = f"{algorithm} runs with quadratic inputs at {step:g} and {2.0 * step:g} s, extrapolated; no scene is the whole: "
-    return Truth(common, positions, off, words + reason, False)
+    words = f"{algorithm} runs with quadratic inputs at {step:g} and {2.0 * step:g} s, extrapolated"
+    return Truth(common, positions, off, f"{words}; no scene is the whole: {reason}", False)
