@@ -168,7 +168,8 @@ def make_coupling_report(
     limit
         CPU time [s] that a run may take, looked at after every communication step.
     steps
-        Communication steps to try, as multiples of the file's.
+        Communication steps to try, as multiples of the file's; of an algorithm and order none that is longer than one
+        that is not stable.
     say
         Told what is done next.
 
@@ -193,14 +194,20 @@ def make_coupling_report(
             )
         rows: list[CoupledRow] = []
         refused: dict[str, None] = {}
+        unstable: set[tuple[str, int]] = set()
         for settings in _settings(system, steps):
             try:
                 other = varied(system, **settings)
             except CouplingError as error:
                 refused[str(error)] = None
                 continue
+            family = (other.settings.algorithm, other.settings.extrapolation)
+            if family in unstable and other.settings.adaptive is None:
+                continue  # as with all longer steps; a run that blows up costs more than all others
             say(_words(other))
             rows.append(_measured(other, truth, limit))
+            if not rows[-1].is_stable:
+                unstable.add(family)
     return CouplingReport(coupling, wanted, limit, truth, rows, list(refused))
 
 
@@ -221,7 +228,7 @@ def check_coupling_options(accuracy: float | None, limit: float) -> None:
 def _settings(system: System, steps: Sequence[float]) -> Iterator[dict[str, object]]:
     base = system.settings.step
     for algorithm, extrapolation in product(ALGORITHMS, ORDERS):
-        for multiple in steps:
+        for multiple in sorted(steps):
             yield {"algorithm": algorithm, "extrapolation": extrapolation, "step": base * multiple, "adaptive": None}
     for algorithm, tolerance in product(ALGORITHMS, TOLERANCES):
         adaptive = AdaptiveSpec(tolerance=tolerance, smallest=base * _LEAST_ADAPTIVE, largest=base * max(steps))
