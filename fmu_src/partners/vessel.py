@@ -125,6 +125,11 @@ def propagator(stiffness: float, damping: float) -> tuple[tuple[float, ...], tup
     return tuple(rows[0]), tuple(rows[1])
 
 
+def at_end(force: tuple[float, float, float], step: float) -> float:
+    """What a force with these derivatives at the beginning of a step is at its end."""
+    return force[0] + step * (force[1] + step / 2.0 * force[2])
+
+
 class Body:
     """A mass on a spring and a damper along each axis, without coupling between the axes."""
 
@@ -145,11 +150,13 @@ class Body:
             moving.append((q, v, (inputs[f"F_{axis}"] + external - static_load - k * q - c * v) / m))
         return moving
 
-    def advance(self, time: float, step: float, inputs: Mapping[str, float]) -> None:
+    def advance(self, time: float, step: float, inputs: dict[str, float]) -> None:
         forces = [self.force(place, time, inputs) for place in range(len(AXES))]
         moved = [self.moved(place, step, force) for place, force in enumerate(forces)]
         if not all(math.isfinite(value) for both in moved for value in both):
             raise ValueError(f"doStep at t = {time:.9g} s: the step leads to no finite number; the force is too large")
+        if self.extrapolation == "given":  # acceleration at the end is that of the force there
+            inputs |= {f"F_{axis}": at_end(force, step) for axis, force in zip(AXES, forces, strict=True)}
         kept = self.extrapolation if isinstance(self.extrapolation, int) else 0
         self.place, self.past = moved, [[time, *(force[0] for force in forces)], *self.past][:kept]
 

@@ -16,6 +16,7 @@ from rich.console import Console
 
 from .couple_command import couple_and_show, export_coupling
 from .coupling.description import load_coupling, shipped_couplings
+from .coupling_report_command import names_coupling, write_coupling_reports
 from .errors import CableError, OptionError, RunError
 from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
@@ -25,7 +26,7 @@ from .fmu.variables import ENUMERATIONS
 from .plot import check_picture, picture_needs, plot_frames
 from .progress import showing_progress
 from .provenance import version_text
-from .report import ACCURACY, LIMIT
+from .report import LIMIT
 from .report_command import Asked, write_scene_reports
 from .results import write_results
 from .saved_state import read_state
@@ -187,19 +188,32 @@ def run(
 
 @app.command
 def report(
-    *scenes: SceneName,
+    *names: Annotated[str, Parameter(help="Scenes, shipped or TOML files; or couplings, likewise.")],
     all_: Annotated[bool, Parameter(name="--all", negative=(), help="All scenes that ship.")] = False,
     output: Annotated[
         Path, Parameter(name=["--output", "-o"], help="Folder for NAME.report.html, .json and .csv.")
     ] = Path("build") / "report",
-    accuracy: Annotated[float, Parameter(help="Position error [m] that a setting is recommended for.")] = ACCURACY,
+    accuracy: Annotated[
+        float | None,
+        Parameter(
+            help="Position error [m] that a setting is recommended for; 1e-4 for scenes, "
+            "1 % of the motion for couplings."
+        ),
+    ] = None,
     limit: Annotated[float, Parameter(help="CPU time [s] that a single run may take.")] = LIMIT,
     peers: Annotated[bool, Parameter(help="Whether CVode and scipy's integrators are compared with.")] = True,
     markdown: Annotated[Path | None, Parameter(help="A table of all the scenes, FILE.md.")] = None,
 ) -> None:
-    """Measure error against run time: solvers, tolerances, communication steps, numbers of links."""
-    asked = Asked(scenes, all_, accuracy=accuracy, limit=limit, peers=peers, markdown=markdown)
-    write_scene_reports(asked, folder=output)
+    """Measure error against run time: solvers, tolerances, steps, numbers of links; of couplings, ways of coupling."""
+    coupled = [name for name in names if names_coupling(name)]
+    scenes = [name for name in names if name not in coupled]
+    if coupled and markdown is not None:
+        raise OptionError("markdown: a table of scenes; leave it out, or couplings")
+    if coupled:
+        write_coupling_reports(coupled, accuracy=accuracy, limit=limit, folder=output)
+    if scenes or all_ or not coupled:
+        asked = Asked(scenes, all_, accuracy=accuracy, limit=limit, peers=peers, markdown=markdown)
+        write_scene_reports(asked, folder=output)
 
 
 @app.command

@@ -23,7 +23,7 @@ from .report_runs import SOLVERS, is_measured
 from .report_tables import Sheet, overview, sheets
 from .scene import Scene, load_scene, shipped_scenes
 
-__all__ = ["Asked", "write_scene_reports"]
+__all__ = ["Asked", "print_sheet", "showing", "write_scene_reports"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +33,8 @@ class Asked:
     names: Sequence[str]
     all_: bool
     """All scenes that ship, instead of names"""
-    accuracy: float
-    """[m]"""
+    accuracy: float | None
+    """[m]; None: `ACCURACY` of a scene, 1 % of the motion of a coupling"""
     limit: float
     """[s]"""
     peers: bool
@@ -43,7 +43,7 @@ class Asked:
     def __str__(self) -> str:
         """As it is typed."""
         words = ["--all"] if self.all_ else list(self.names)
-        words += ["--accuracy", f"{self.accuracy:g}"] if self.accuracy != ACCURACY else []
+        words += ["--accuracy", f"{self.accuracy:g}"] if self.accuracy not in (None, ACCURACY) else []
         words += ["--limit", f"{self.limit:g}"] if self.limit != LIMIT else []
         words += [] if self.peers else ["--no-peers"]
         words += ["--markdown", str(self.markdown)] if self.markdown is not None else []
@@ -61,7 +61,8 @@ def write_scene_reports(asked: Asked, *, folder: Path) -> None:
         If a scene has no trusted reference; the others are reported on nevertheless.
     """
     scenes = _scenes(asked.names, asked.all_)
-    check_options(asked.accuracy, asked.limit)
+    accuracy = ACCURACY if asked.accuracy is None else asked.accuracy
+    check_options(accuracy, asked.limit)
     need_matplotlib()
     check_writable(folder / f"{scenes[0].name}.report.html")
     if asked.markdown is not None:
@@ -70,8 +71,8 @@ def write_scene_reports(asked: Asked, *, folder: Path) -> None:
     reports, failures = [], []
     for scene in scenes:
         try:
-            with _showing(scene.name) as say:
-                report = make_report(scene, accuracy=asked.accuracy, limit=asked.limit, solvers=solvers, say=say)
+            with showing(scene.name) as say:
+                report = make_report(scene, accuracy=accuracy, limit=asked.limit, solvers=solvers, say=say)
         except RunError as error:
             failures.append(str(error))
             continue
@@ -81,7 +82,7 @@ def write_scene_reports(asked: Asked, *, folder: Path) -> None:
         print(f"{scene.name}: {written[-1]}")
     if len(reports) > 1:
         print(f"all: {write_index(reports, folder)}")
-        _table(_narrow(overview(reports)), Console())
+        print_sheet(_narrow(overview(reports)), Console())
     if reports and asked.markdown is not None:
         write_markdown(reports, asked.markdown, str(asked))
         print(f"table: {asked.markdown}")
@@ -103,7 +104,7 @@ def _scenes(names: Sequence[str], all_: bool) -> list[Scene]:
 
 
 @contextmanager
-def _showing(name: str) -> Iterator[Said]:
+def showing(name: str) -> Iterator[Said]:
     """What is being run, at a terminal only."""
     if not sys.stderr.isatty():
         yield lambda _: None
@@ -117,7 +118,7 @@ def _print(report: Report, *, brief: bool) -> None:
     tables = sheets(report)
     console.print(f"\n{report.scene.name}: {report.scene.description}", markup=False, highlight=False)
     for sheet in tables[:1] if brief else tables:
-        _table(sheet, console)
+        print_sheet(sheet, console)
 
 
 def _narrow(sheet: Sheet) -> Sheet:
@@ -126,7 +127,8 @@ def _narrow(sheet: Sheet) -> Sheet:
     return Sheet(sheet.title, rows[0], rows[1:], sheet.note)
 
 
-def _table(sheet: Sheet, console: Console) -> None:
+def print_sheet(sheet: Sheet, console: Console) -> None:
+    """One table at the terminal."""
     has_head = any(sheet.head)
     table = Table(title=sheet.title, title_justify="left", show_header=has_head, box=SIMPLE, collapse_padding=True)
     for k, name in enumerate(sheet.head):

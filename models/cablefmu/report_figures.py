@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["figures"]
+__all__ = ["figures", "log_axes", "svg"]
 
 _COLORS = {
     "explicit": "#0b6fb8", "implicit": "#d1495b", "automatic": "#2e8b57", "CVode": "#8a6d3b",
@@ -37,7 +37,7 @@ def figures(report: Report) -> list[str]:
         If matplotlib is not installed.
     """
     need_matplotlib()
-    return [_svg(figure, f"f{k}-") for k, figure in enumerate(_drawn(report))]
+    return [svg(figure, f"f{k}-") for k, figure in enumerate(_drawn(report))]
 
 
 def _drawn(report: Report) -> Iterator[Figure]:
@@ -66,7 +66,8 @@ def _rhs(row: Row) -> float:
     return float(row.rhs)
 
 
-def _axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
+def log_axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
+    """A figure with one pair of logarithmic axes."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.0, 4.2), layout="constrained")
@@ -89,7 +90,7 @@ def _plain_ticks(axes: Axes) -> None:
 def _work_precision(
     report: Report, x: str, price: Callable[[Row], float], y: str, error: Callable[[Apart], float]
 ) -> Figure:
-    figure, axes = _axes(
+    figure, axes = log_axes(
         f"{y.partition(' [')[0]} against {x.partition(' [')[0]}".capitalize().replace("cpu", "CPU"), x, y
     )
     for solver, color in _COLORS.items():
@@ -111,7 +112,7 @@ def _work_precision(
 
 
 def _communication(report: Report) -> Figure:
-    figure, axes = _axes("Communication step (automatic, 1e-6)", "communication step [s]", "position error [m]")
+    figure, axes = log_axes("Communication step (automatic, 1e-6)", "communication step [s]", "position error [m]")
     for inputs, color in (("exact", "#2e8b57"), ("held", "#d1495b")):
         ended = [(row.step, row.error.position) for row in report.communication if row.inputs == inputs and row.error]
         if ended:
@@ -123,7 +124,7 @@ def _communication(report: Report) -> Figure:
 
 
 def _links(report: Report) -> Figure:
-    figure, axes = _axes("The same cable in more links", "links", "error")
+    figure, axes = log_axes("The same cable in more links", "links", "error")
     steps = report.refinement.steps
     lines: Sequence[tuple[str, str, list[float]]] = (
         ("position over the cable's length", "#0b6fb8", [step.position for step in steps]),
@@ -138,7 +139,7 @@ def _links(report: Report) -> Figure:
 
 
 def _growth(report: Report) -> Figure:
-    figure, axes = _axes("Two starts 1e-9 rad apart", "time [s]", "distance [m]")
+    figure, axes = log_axes("Two starts 1e-9 rad apart", "time [s]", "distance [m]")
     axes.set_xscale("linear")  # with ticks of its own
     axes.plot(report.reference.course.times, np.maximum(report.reference.horizon.growth, _ZERO), color="#0b6fb8")
     axes.axhline(report.accuracy, color="black", linewidth=0.8, linestyle=":")
@@ -151,7 +152,7 @@ def _growth(report: Report) -> Figure:
 # --- SVG ---
 
 
-def _svg(figure: Figure, prefix: str) -> str:
+def svg(figure: Figure, prefix: str) -> str:
     """The <svg> element alone, without metadata; its ids are marked so that several go on one page."""
     from matplotlib import rc_context
 

@@ -10,7 +10,7 @@ from .report import Report, made_on
 from .report_figures import figures
 from .report_tables import Sheet, sheets
 
-__all__ = ["index_page", "page"]
+__all__ = ["index_page", "page", "page_of"]
 
 _STYLE = """
 th, td { text-align: right; } tr > :first-child { text-align: left; }
@@ -23,17 +23,21 @@ svg { width: 100%; height: auto; display: block; }
 
 def page(report: Report) -> str:
     """The page of one scene."""
-    first, *rest = sheets(report)
-    drawn = "\n".join(f"<figure>{svg}</figure>" for svg in figures(report))
+    return page_of(report.scene.name, report.scene.description, sheets(report), figures(report))
+
+
+def page_of(name: str, description: str, tables: Sequence[Sheet], drawn: Sequence[str]) -> str:
+    """A page of tables, the first of which is of words, and figures, each the text of one <svg> element."""
+    first, *rest = tables
     body = [
-        f"<h1>{escape(report.scene.name)}: how wrong, how fast</h1>",
-        f"<p>{escape(report.scene.description)}</p>",
+        f"<h1>{escape(name)}: how wrong, how fast</h1>",
+        f"<p>{escape(description)}</p>",
         _table(first, "words"),
         "<h2>Figures</h2>",
-        f'<div class="figures">{drawn}</div>',
+        '<div class="figures">' + "\n".join(f"<figure>{svg}</figure>" for svg in drawn) + "</div>",
         *(_table(sheet, "numbers") for sheet in rest),
     ]
-    return _html(f"{report.scene.name}: how wrong, how fast", body)
+    return _html(f"{name}: how wrong, how fast", body)
 
 
 def index_page(sheet: Sheet, links: Sequence[str]) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from ..fmu.platforms import for_this_machine
 from ..scene_mistakes import Mistake
@@ -20,7 +21,7 @@ from .models import Model, open_models
 from .power import Bond, bonds_of
 from .schema import CouplingSpec
 
-__all__ = ["System", "opened"]
+__all__ = ["System", "opened", "varied"]
 
 _ROUNDING = 1e-9
 """Relative: a stop time that is so near a multiple of the step is one."""
@@ -108,6 +109,23 @@ def opened(coupling: Coupling, *, elsewhere: bool = False) -> Iterator[System]:
         yield system
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def varied(system: System, **settings: Any) -> System:
+    """The same models and connections with other settings of [coupling].
+
+    Raises
+    ------
+    CouplingError
+        If the models do not have what these ask for.
+    """
+    spec = system.coupling.spec
+    spec = spec.model_copy(update={"coupling": spec.coupling.model_copy(update=settings)})
+    other = replace(system, coupling=replace(system.coupling, spec=spec))
+    mistakes = list(_wrong_settings(other))
+    if mistakes:
+        raise coupling_error(other.coupling.source, mistakes)
+    return other
 
 
 def _without_fed(model: Model, connections: Sequence[Connection]) -> Model:

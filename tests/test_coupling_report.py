@@ -1,0 +1,264 @@
+"""The coupling error: mass inside and mass outside are one motion, and a report finds out how far runs are from it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from cablefmu.cable import Floats
+from cablefmu.coupling import load_coupling
+from cablefmu.coupling.description import Coupling
+from cablefmu.coupling.extrapolation import through
+from cablefmu.coupling.partners import make_partner
+from cablefmu.coupling.run import run_system
+from cablefmu.coupling.system import opened, varied
+from cablefmu.coupling_report import CouplingReport, make_coupling_report
+from cablefmu.coupling_report_command import names_coupling
+from cablefmu.coupling_report_files import write_coupling_report
+from cablefmu.coupling_report_tables import coupling_sheets
+from cablefmu.coupling_report_truth import Truth, find_truth
+from cablefmu.coupling_report_whole import NotOneError, whole_scene
+from cablefmu.errors import OptionError, RunError
+from cablefmu.reference import Reference
+from cablefmu.scene import load_scene
+from cablefmu.vessel import BodyTable, Vessel
+
+SCENE = """
+format = 1
+description = "6 links with a load under a ship"
+[cable]
+links = 6
+length = "30 m"
+diameter = "20 mm"
+density = "7850 kg/m^3"
+young_modulus = "80 GPa"
+joint_damping = "2.8 N m s/rad"
+[water]
+Cd = 1.0
+[top]
+kind = "motion"
+[terminal]
+kind = "load"
+mass = "50 kg"
+density = "7850 kg/m^3"
+[shape]
+kind = "hanging"
+[run]
+stop_time = "2.4 s"
+"""
+
+STOP = 2.4
+GOOD = 1e-8
+"""Of the FMU of the whole at 1e-10 against either dense integration [m]; measured: below 1e-9."""
+
+
+def small(folder: Path, *, mass: float = 4000.0) -> Coupling:
+    """A vessel and a cable of 6 links and 124 kg with its load; the vessel's periods are about 3 s."""
+    (folder / "ship.toml").write_text(SCENE, encoding="utf-8")
+    text = load_coupling("moored-vessel").text
+    body = f"""kind = "body"
+m_x = {mass}
+m_y = {mass}
+k_x = {4.0 * (mass + 100.0)}
+k_y = {5.0 * (mass + 100.0)}
+c_x = {0.2 * mass}
+c_y = {0.3 * mass}
+x_0 = 1.0
+y_0 = -0.5
+vx_0 = 0.2
+static_load_y = 900.0
+external_x = 50.0"""
+    head, _, rest = text.partition("[model.vessel]")
+    tail = rest[rest.index("[[model]]") :]
+    text = f"{head}[model.vessel]\n{body}\n\n{tail}"
+    for old, new in (("towed-40", "ship.toml"), ('"16 s"', str(STOP))):
+        assert old in text
+        text = text.replace(old, new)
+    return Coupling.from_text(text, name="small", folder=folder)
+
+
+def mass_outside(coupling: Coupling, times: Floats) -> Floats:
+    """x, y of the vessel and x_c, y_c [m] by the dense model of a cable whose top is given, and the vessel beside it.
+
+    The loop between force and acceleration is solved by what the model says of it: F = F(a = 0) - m a. No code of the
+    FMUs or of the master, and none of the equations of a floater.
+    """
+    spec = coupling.spec.model
+    body = Vessel.from_table(spec[0].vessel).table
+    assert isinstance(body, BodyTable)
+    model = Reference(load_scene(coupling.folder / "ship.toml").cable)
+    n = model.cable.n
+    mass = np.diag([body.m_x, body.m_y])
+    stiffness, damping = np.array([body.k_x, body.k_y]), np.array([body.c_x, body.c_y])
+    load = np.array([body.external_x - body.static_load_x, body.external_y - body.static_load_y])
+
+    def inputs(state: Floats, a: Floats) -> dict[str, float]:
+        names = ("x_1", "y_1", "vx_1", "vy_1", "ax_1", "ay_1")
+        return dict(zip(names, [*state[2 * n : 2 * n + 4], *a], strict=True))
+
+    def right_side(t: float, state: Floats) -> Floats:
+        q, v, place, velocity = state[:n], state[n : 2 * n], state[2 * n : 2 * n + 2], state[2 * n + 2 :]
+        said = model.outputs(q, v, inputs(state, np.zeros(2)))
+        added = np.array([[said["m_1xx"], said["m_1xy"]], [said["m_1xy"], said["m_1yy"]]])
+        force = np.array([said["F_1x"], said["F_1y"]])
+        a = np.linalg.solve(mass + added, force + load - stiffness * place - damping * velocity)
+        return np.concatenate([v, model.acceleration(q, v, inputs(state, a)), velocity, a])
+
+    start = [*model.cable.position, *model.cable.velocity, body.x_0, body.y_0, body.vx_0, body.vy_0]
+    states = solve_ivp(right_side, (0.0, times[-1]), start, "DOP853", times, rtol=1e-10, atol=1e-12).y.T
+    ends = [model.outputs(s[:n], s[n : 2 * n], inputs(s, np.zeros(2))) for s in states]
+    return np.column_stack([states[:, 2 * n : 2 * n + 2], [(end["x_c"], end["y_c"]) for end in ends]])
+
+
+NAMES = ("vessel.x", "vessel.y", "cable.x_c", "cable.y_c")
+
+
+@pytest.mark.parametrize("mass", [4000.0, 40.0])
+def test_mass_inside_is_mass_outside(mass: float, tmp_path: Path) -> None:
+    coupling = small(tmp_path, mass=mass)
+    with opened(coupling) as system:
+        truth = find_truth(system)
+    times = np.arange(5) * 0.6
+    assert truth.is_whole and truth.good_to < GOOD
+    found = np.column_stack([truth.at(times)[name] for name in NAMES])
+    assert np.ptp(found, axis=0).min() > 0.2  # m: there is something to agree on
+    assert found == pytest.approx(mass_outside(coupling, times), abs=GOOD)
+
+
+def largest(coupling: Coupling, truth: Truth, **settings: object) -> float:
+    """Error of a run after the first 10 % [m]."""
+    with opened(coupling) as system:
+        result = run_system(varied(system, **settings))
+    right, late = truth.at(result["time"].values), result["time"].values >= 0.1 * STOP
+    return max(float(np.abs(result[name].values - right[name])[late].max()) for name in NAMES)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "extrapolation", "order"),
+    [("jacobi", 0, 1), ("jacobi", 1, 2), ("gauss-seidel", 0, 1), ("gauss-seidel", 1, 2),
+     ("iterated", 0, 1), ("iterated", 1, 2), ("iterated", 2, 3)],
+)  # fmt: skip
+def test_coupled_runs_tend_to_the_whole(algorithm: str, extrapolation: int, order: int, tmp_path: Path) -> None:
+    coupling = small(tmp_path)
+    with opened(coupling) as system:
+        truth = find_truth(system)
+    errors = [
+        largest(coupling, truth, algorithm=algorithm, extrapolation=extrapolation, step=0.1 / 2**k) for k in range(3)
+    ]
+    observed = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    assert observed == pytest.approx([order] * 2, abs=0.35), errors
+    assert errors[-1] > 10.0 * truth.good_to  # what was measured is the coupling
+
+
+def test_light_vessels_need_iteration(tmp_path: Path) -> None:
+    """At one step; at all, below."""
+    coupling = small(tmp_path, mass=40.0)
+    with opened(coupling) as system:
+        truth = find_truth(system)
+    assert largest(coupling, truth, algorithm="iterated", extrapolation=1, step=0.05) < 0.01 * truth.motion
+    for algorithm in ("jacobi", "gauss-seidel"):
+        try:
+            error = largest(coupling, truth, algorithm=algorithm, extrapolation=1, step=0.05)
+        except RunError:
+            continue
+        assert error > truth.motion
+
+
+@pytest.fixture(scope="module")
+def light(tmp_path_factory: pytest.TempPathFactory) -> CouplingReport:
+    """A vessel a third as heavy as what hangs from it, at two steps."""
+    return make_coupling_report(small(tmp_path_factory.mktemp("light"), mass=40.0), steps=(1.0, 0.5, 0.25), limit=5.0)
+
+
+@pytest.mark.slow
+def test_a_light_vessel_needs_iteration(light: CouplingReport) -> None:
+    for row in light.rows:
+        if row.algorithm != "iterated" and row.adaptive is None:
+            assert row.note.startswith(("diverged: off by", "failed: ")), row
+    linear = [row for row in light.rows if (row.algorithm, row.extrapolation) == ("iterated", 1) and not row.adaptive]
+    assert len(linear) == 3 and all(row.is_stable for row in linear)
+    assert linear[0].position is not None and linear[0].position < 0.01 * light.truth.motion
+    family = next(f for f in light.families if (f.algorithm, f.extrapolation) == ("jacobi", 1))
+    assert family.longest_stable is None and family.note
+    assert any(
+        "diverged" in cell or "failed" in cell for sheet in coupling_sheets(light) for row in sheet.rows for cell in row
+    )
+
+
+@pytest.mark.slow
+def test_the_recommended_setting_keeps_the_accuracy(light: CouplingReport) -> None:
+    """Run anew, and measured against the dense model with the mass outside."""
+    best = light.recommended
+    assert best is not None and best.algorithm == "iterated"
+    assert light.accuracy == pytest.approx(0.01 * light.truth.motion)
+    assert best.adaptive is None  # those cost several times as much here
+    with opened(light.coupling) as system:
+        result = run_system(varied(system, algorithm=best.algorithm, extrapolation=best.extrapolation, step=best.step))
+    found = np.column_stack([result[name].values for name in NAMES])
+    assert np.abs(found - mass_outside(light.coupling, result["time"].values)).max() <= light.accuracy
+    cheaper = [row for row in light.rows if row.cpu_time < 0.9 * best.cpu_time and row.is_stable]
+    assert all((row.position or 0.0) > light.accuracy for row in cheaper)
+
+
+def test_a_step_repeated_100_times_leaves_no_trace(tmp_path: Path) -> None:
+    """A cable whose motion is given goes back to the bits that it had."""
+    with opened(small(tmp_path)) as system:
+        model = system.models["cable"]
+        names = [c.target.name for c in system.connections if c.target.model == "cable"]
+        ends = []
+        for count in (1, 100):
+            partner = make_partner(model, names)
+            partner.enter_initialisation(STOP, 1e-8)
+            partner.exit_initialisation()
+            motions = [through([(0.0, 0.0), (0.1, 0.3 + k)], 1) for k in range(len(names))]
+            partner.step(0.0, 0.1, motions, is_final=True)
+            state = partner.save()
+            for again in range(count):
+                partner.restore(state)
+                partner.step(
+                    0.1, 0.2, [through([(0.1, p(0.1)), (0.2, p(0.2) + again)], 1) for p in motions], is_final=False
+                )
+            partner.restore(state)
+            partner.step(0.1, 0.2, motions, is_final=True)
+            ends.append(partner.get())
+            partner.forget(state)
+            partner.close()
+    assert ends[0] == ends[1]
+
+
+def test_what_is_no_single_scene_says_why(tmp_path: Path) -> None:
+    unequal = small(tmp_path)
+    text = unequal.text.replace("m_x = 4000.0", "m_x = 3000.0")
+    with opened(Coupling.from_text(text, name="unequal", folder=tmp_path)) as system:
+        with pytest.raises(NotOneError, match="m_x = 3000 kg and m_y = 4000 kg differ"):
+            whole_scene(system)
+        truth = find_truth(system)
+    assert not truth.is_whole and "differ, and a floater has one mass" in truth.words
+    with opened(Coupling.from_text(text, name="unequal", folder=tmp_path)) as system:
+        times = np.arange(5) * 0.6
+    found = np.column_stack([truth.at(times)[name] for name in NAMES])
+    right = mass_outside(Coupling.from_text(text, name="unequal", folder=tmp_path), times)
+    assert np.abs(found - right).max() < 1e-5
+
+
+@pytest.mark.slow
+def test_files_and_names(light: CouplingReport, tmp_path: Path) -> None:
+    paths = write_coupling_report(light, tmp_path)
+    said = json.loads(paths[0].read_text(encoding="utf-8"))
+    assert said["recommended"]["algorithm"] == "iterated" and said["reference"]["is_whole"]
+    assert len(paths[1].read_text(encoding="utf-8").splitlines()) == len(light.rows) + 1 == len(said["rows"]) + 1
+    page = paths[2].read_text(encoding="utf-8")
+    assert page.count("<svg") == 2 and "none of those tried" not in page
+    (tmp_path / "one.toml").write_text(light.coupling.text, encoding="utf-8")
+    assert names_coupling("light-vessel") and names_coupling(str(tmp_path / "one.toml"))
+    assert not names_coupling("towed-40") and not names_coupling(str(tmp_path / "none.toml"))
+
+
+@pytest.mark.parametrize(("accuracy", "limit"), [(0.0, 60.0), (float("nan"), 60.0), (1e-3, 0.0)])
+def test_refused_numbers(accuracy: float, limit: float, tmp_path: Path) -> None:
+    with pytest.raises(OptionError, match="a number above 0"):
+        make_coupling_report(small(tmp_path), accuracy=accuracy, limit=limit)
