@@ -126,10 +126,11 @@ class Reference:
         """The FMU's outputs by name at a state: see `outputs.output_values` and `outputs.effective_masses`."""
 
         def values(given: Mapping[str, float]) -> dict[str, float]:
-            motion = self._motion(q, v, given)
+            motion = motion_of(q, v, top=self.cable.top, inputs=given)
             acceleration, end_inertia_force = self._solve(motion, given)
             return output_values(self.chain, motion, acceleration, given, end_inertia_force)
 
+        self._motion(q, v, inputs)  # accelerations may be no inputs of the cable, and are asked for below
         return values(inputs) | effective_masses(self.chain, values, inputs)
 
     def joint_forces(self, q: Floats, v: Floats, inputs: Mapping[str, float]) -> Floats:
