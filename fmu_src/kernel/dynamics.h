@@ -33,7 +33,7 @@ int angle_out_of_range(const Model *model, const double *x);
 /* terminal.c: force on P_n besides the cable's pull; weight, inputs, springs with preload. */
 void terminal_motion(const Model *model, const double *x, const Work *work, double position[2], double velocity[2]);
 void terminal_force(const Model *model, const double *x, const double *u, Work *work);
-void terminal_guide(const Model *model, const double *u, Motion *guide);
+const Motion *terminal_guide(const Model *model, const double *u);
 double terminal_energy(const Model *model, const double position[2], const double velocity[2]);
 
 /* What the cable is fastened to at P_0 or P_n: its inertia N / unit with det = det(N) / unit [ends.h], and its bias,

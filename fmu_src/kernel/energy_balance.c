@@ -18,7 +18,7 @@ enum { HISTORY = 4, PLACES = 4 };
 static double power_to_vessels(const Model *model, const Work *work)
 {
     const int n = model->n;
-    const double *top = work->top.velocity, *end = work->guide.velocity;
+    const double *top = work->top.velocity, *end = work->end_velocity;
     double power = 0.0;
     if (top_is_given(model)) power -= work->answer_x[0] * top[0] + work->answer_y[0] * top[1];
     if (model->terminal == TERMINAL_MOTION) power += work->answer_x[n] * end[0] + work->answer_y[n] * end[1];

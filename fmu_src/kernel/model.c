@@ -134,6 +134,8 @@ static void prepare_elimination(Model *model)
 
 void model_prepare(Model *model)
 {
+    model->first_rate = model_coordinates(model) + 1;
+    model->pin = (Motion){.position = {model->rest[0], model->rest[1]}};
     prepare_links(model);
     prepare_inertia(model);
     prepare_terminal(model);

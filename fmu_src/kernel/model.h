@@ -84,6 +84,11 @@ typedef enum {
 /* How fast a drift away from the pin decays [1/s]: slow beside the cable, fast beside what a host's errors add up to. */
 #define PIN_RATE 10.0
 
+/* Of a port that moves as it is told: along x and y [m], [m/s], [m/s^2]. */
+typedef struct {
+    double position[2], velocity[2], acceleration[2];
+} Motion;
+
 /* Constant during a run. The upper half comes from the resource file and the parameters, the lower half
  * is derived of it by model_prepare(). */
 typedef struct Model {
@@ -112,12 +117,9 @@ typedef struct Model {
     double end_inertia;               /* I_Rc [kg m^2] */
     double spring[2], damper[2];      /* of the terminal, along x and y [N/m], [N s/m] */
     double preload[2];                /* constant force of the terminal's support along x, y [N] */
+    Motion pin;                       /* where it is, at rest */
+    int first_rate;                   /* of the links, in x */
 } Model;
-
-/* Of a port that moves as it is told: along x and y [m], [m/s], [m/s^2]. */
-typedef struct {
-    double position[2], velocity[2], acceleration[2];
-} Motion;
 
 /* Links that the elimination takes at a time from each end [chain.c]; an odd one may come with the first. */
 enum { STRIP = 32, STRIP_ROOM = 2 * STRIP + 1 };
@@ -143,8 +145,8 @@ typedef struct Work {
     double bias_x[STRIP_ROOM], bias_y[STRIP_ROOM];               /* there: c [m/s^2] above the middle, f [N] below */
     double k_ee[STRIP_ROOM], k_en[STRIP_ROOM], k_nn[STRIP_ROOM]; /* K of links above the middle */
     double per_pivot[STRIP_ROOM];                                /* 1/J of links below */
-    Motion top;          /* of P_0; its acceleration, where that is not given, zero [top.c] */
-    Motion guide;        /* where a pin is, or what P_n is to follow [terminal.c] */
+    Motion top;          /* of P_0; with an acceleration where that is given [top.c] */
+    const Motion *guide; /* where a pin is, or what P_n is to follow, among the inputs [terminal.c] */
     double end_force[2]; /* all force on the terminal besides the cable's pull [N] */
     double end_position[2], end_velocity[2];
 } Work;
@@ -208,7 +210,7 @@ static inline int model_states(const Model *model)
 /* Of a state, or of its derivative: the links' angular velocities [rad/s], or accelerations [rad/s^2]. */
 static inline const double *rates_in(const Model *model, const double *x)
 {
-    return x + model_coordinates(model) + 1;
+    return x + model->first_rate;
 }
 
 #endif

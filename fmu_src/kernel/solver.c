@@ -155,9 +155,7 @@ bool back_to_guide(const System *system, double t, double *x)
     if (!end_is_given(model)) return true;
     double u[INPUT_COUNT] = {0.0};
     if (motion_is_given(model) && !system->inputs(system->source, t, u)) return false;
-    Motion guide;
-    terminal_guide(model, u, &guide);
-    pin_project(model, u, system->work, &guide, x);
+    pin_project(model, u, system->work, terminal_guide(model, u), x);
     return true;
 }
 

@@ -169,7 +169,7 @@ static double off_the_pin(const Search *search)
 /* Where the end is to be: of an anchor of mass, where it is. */
 static void find_pin(Search *search)
 {
-    terminal_guide(search->model, search->u, &search->guide);
+    search->guide = *terminal_guide(search->model, search->u);
     off_the_pin(search);
     if (end_is_given(search->model)) return;
     memcpy(search->guide.position, search->work->end_position, sizeof search->guide.position);

@@ -1,7 +1,5 @@
 #include "dynamics.h"
 
-#include <string.h>
-
 /* P_n = P_0 + sum l_i e_i and its velocity P_0' + sum l_i w_i n_i. */
 void terminal_motion(const Model *model, const double *x, const Work *work, double position[2], double velocity[2])
 {
@@ -21,12 +19,9 @@ void terminal_motion(const Model *model, const double *x, const Work *work, doub
 }
 
 /* Where an end that is given has to be, how fast, and with which acceleration; a pin stays. */
-void terminal_guide(const Model *model, const double *u, Motion *guide)
+const Motion *terminal_guide(const Model *model, const double *u)
 {
-    if (model->terminal == TERMINAL_MOTION)
-        memcpy(guide, u + U_x_2, sizeof *guide);
-    else
-        *guide = (Motion){.position = {model->rest[0], model->rest[1]}};
+    return model->terminal == TERMINAL_MOTION ? (const Motion *)(const void *)(u + U_x_2) : &model->pin;
 }
 
 /*
@@ -41,7 +36,7 @@ void terminal_force(const Model *model, const double *x, const double *u, Work *
     force[1] = u[U_F_cy] + u[U_u_m2] + model->end_weight;
     double *position = work->end_position, *velocity = work->end_velocity;
     if (model->has_spring || end_is_given(model)) terminal_motion(model, x, work, position, velocity);
-    if (end_is_given(model)) terminal_guide(model, u, &work->guide);
+    if (end_is_given(model)) work->guide = terminal_guide(model, u);
     if (!model->has_spring) return;
     for (int k = 0; k < 2; k++)
         force[k] +=
@@ -56,7 +51,7 @@ void terminal_force(const Model *model, const double *x, const double *u, Work *
 void terminal_port(const Model *model, const Work *work, Port *port)
 {
     if (end_is_given(model)) {
-        const Motion *guide = &work->guide;
+        const Motion *guide = work->guide;
         double given[2];
         for (int k = 0; k < 2; k++) {
             const double drift = work->end_position[k] - guide->position[k];

@@ -12,7 +12,7 @@
 /* Along x and y, besides the cable's [N]; x[n + 1] is the surge. */
 static void floater_force(const Model *model, const double *x, const double *u, double force[2])
 {
-    const double *p = model->parameter, *v = x + model_coordinates(model);
+    const double *p = model->parameter, *v = x + model->first_rate - 1;
     force[1] = u[U_u_m1] - p[P_static_load] - p[P_k_m1] * x[0] - p[P_c_m1] * v[0];
     if (model->top != TOP_FREE) return;
     const int surge = model->n + 1;
@@ -25,10 +25,12 @@ void top_motion(const Model *model, const double *x, const double *u, Work *work
         memcpy(&work->top, u + U_x_1, sizeof work->top);
         return;
     }
-    const double *v = x + model_coordinates(model);
+    Motion *top = &work->top;
+    const double *v = x + model->first_rate - 1;
     const bool surges = model->top == TOP_FREE;
     const int surge = model->n + 1;
-    work->top = (Motion){{surges ? x[surge] : 0.0, x[0]}, {surges ? v[surge] : 0.0, v[0]}, {0.0, 0.0}};
+    top->position[0] = surges ? x[surge] : 0.0, top->position[1] = x[0];
+    top->velocity[0] = surges ? v[surge] : 0.0, top->velocity[1] = v[0];
 }
 
 /* A floater that only heaves: fixed in x, mass M in y, and b = (0, force / M) when nothing hangs on it. */

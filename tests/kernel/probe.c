@@ -80,8 +80,8 @@ void probe_spoil_scratch(Probe *probe)
         for (int i = 0; i < STRIP_ROOM; i++) strip[k][i] = NAN;
     for (int k = 0; k < 2; k++)
         probe->work->end_force[k] = probe->work->end_position[k] = probe->work->end_velocity[k] = NAN;
-    Motion *const motion[] = {&work->top, &work->guide};
-    for (int k = 0; k < 2; k++) *motion[k] = (Motion){{NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
+    work->top = (Motion){{NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
+    work->guide = NULL;
 }
 
 /* The same of the solver's vectors and the factors, before a start. */

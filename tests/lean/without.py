@@ -36,7 +36,7 @@ _SIDEWAYS = (
     Change("chain.c", "drive_x[i] = load_x[i] + mass[i]", "drive_x[i] = mass[i]"),
 )
 _SPRING = (
-    Change("terminal.c", "if (model->has_spring || model->terminal", "if (model->terminal"),
+    Change("terminal.c", "if (model->has_spring || end_is_given(model)) terminal", "if (end_is_given(model)) terminal"),
     Change(
         "terminal.c",
         """    if (!model->has_spring) return;
@@ -85,14 +85,17 @@ _DAMPING = (
     ),
 )
 _PIN = (
-    Change("terminal.c", "model->has_spring || model->terminal == TERMINAL_PIN", "model->has_spring"),
+    Change("terminal.c", "model->has_spring || end_is_given(model)", "model->has_spring"),
+    Change("terminal.c", "    if (end_is_given(model)) work->guide = terminal_guide(model, u);\n", ""),
     Change(
         "terminal.c",
-        """    if (model->terminal == TERMINAL_PIN) {
+        """    if (end_is_given(model)) {
+        const Motion *guide = work->guide;
         double given[2];
         for (int k = 0; k < 2; k++) {
-            const double drift = work->end_position[k] - model->rest[k];
-            given[k] = -PIN_RATE * (2.0 * work->end_velocity[k] + PIN_RATE * drift);
+            const double drift = work->end_position[k] - guide->position[k];
+            const double speed = work->end_velocity[k] - guide->velocity[k];
+            given[k] = guide->acceleration[k] - PIN_RATE * (2.0 * speed + PIN_RATE * drift);
         }
         *port = (Port){.det = 1.0, .given_x = given[0], .given_y = given[1]};
         return;
