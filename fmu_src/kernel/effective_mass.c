@@ -25,9 +25,11 @@ static int given_ends(const Model *model, End end[2])
     return count;
 }
 
-/* w and R of both axes. */
+/* w and R of both axes; they stay until there are other factors, as a host's dense Jacobian asks n times for them. */
 static void accelerate(const Model *model, Linear *linear, const End *end)
 {
+    if (linear->swinging == (int)end->first) return;
+    linear->swinging = (int)end->first;
     const size_t nodes = (size_t)model->n + 1;
     for (int axis = 0; axis < 2; axis++) {
         double du[INPUT_COUNT] = {0.0}, off[2] = {0.0, 0.0}, *force = linear->column, *turn = linear->swing[axis];

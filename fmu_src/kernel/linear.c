@@ -366,6 +366,7 @@ static int eliminate_all(const Model *model, Linear *linear, Below *below)
 int linear_factor(const Model *model, Weights weights, Linear *linear)
 {
     linear->weights = weights;
+    linear->swinging = -1;
     linear->columns = columns_of(model, linear);
     take_moves(model, linear);
     Below below = below_terminal(model, linear);

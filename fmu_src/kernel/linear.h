@@ -47,6 +47,7 @@ typedef struct Linear {
     double *react_x, *react_y;                  /* change of R that goes with them [N] */
     double *swing[2], *swing_x[2], *swing_y[2]; /* w, R of an end that accelerates along x, y [effective_mass.c] */
     double top[4]; /* xx, xy, yx, yy: how the top moves with a force on it; zeros where it cannot */
+    int swinging;  /* that end, as the first input of its acceleration; -1: none */
     bool is_held;  /* at its lower end, as a pin or nearly [model.c] */
     HeldEnd held;
     double border[4];  /* xx, xy, yx, yy: force at a held end by what its relation is off by */
