@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, MutableSequence, Sequence
 from contextlib import chdir
 from typing import Any, Protocol
 
@@ -21,7 +21,7 @@ from fmpy.sundials.libraries import sundials_cvode
 from .errors import FmuError, RunError
 from .feed import Feed
 
-__all__ = ["Driver", "make_driver"]
+__all__ = ["Driver", "fmi2_callbacks", "make_driver"]
 
 _SLIVER = 8.0  # units in the last place: rounding puts a jump beside an output time, and CVode takes no such step
 _MEASURES = ("step_size", "error_estimate", "energy_residual")  # of the solver's health: the rest are counts
@@ -129,6 +129,20 @@ class _Base(ABC):
             raise self.failed(what) from None
 
 
+def fmi2_callbacks(messages: MutableSequence[str]) -> fmi2.fmi2CallbackFunctions:
+    """What FMI 2 asks of a host, with a logger that adds to `messages`; to be kept as long as the instance."""
+
+    def log(environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+        # The message is a format: "100%%" means 100%.
+        messages.append(message.decode("utf-8", "replace").replace("%%", "%"))
+
+    callbacks = fmi2.fmi2CallbackFunctions()
+    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log)
+    callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
+    callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
+    return callbacks
+
+
 class _Fmi2(_Base):
     """Life cycle and variables of FMI 2."""
 
@@ -137,15 +151,7 @@ class _Fmi2(_Base):
     def instantiate(self, kind: type, description: Any, interface: Any, folder: str) -> None:
         self.load(kind, description, interface, folder)
 
-        def log(environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-            # The message is a format: "100%%" means 100%.
-            self.messages.append(message.decode("utf-8", "replace").replace("%%", "%"))
-
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log)
-        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
-        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
-        self._callbacks = callbacks  # must outlive the instance
+        callbacks = self._callbacks = fmi2_callbacks(self.messages)  # must outlive the instance
         # pythonfmu, the library of twins, keeps even its errors to itself when logging is off.
         _instantiate(self, lambda: self.fmu.instantiate(callbacks=callbacks, loggingOn=True))
 

@@ -10,7 +10,13 @@ from pathlib import Path
 
 from .errors import OptionError
 
-__all__ = ["check_writable", "replacing"]
+__all__ = ["check_writable", "is_path", "replacing"]
+
+
+def is_path(name_or_path: str | Path) -> bool:
+    """Whether that is the path of a TOML file, and not the name of something that ships."""
+    asked = str(name_or_path)
+    return isinstance(name_or_path, Path) or asked.endswith(".toml") or "/" in asked or "\\" in asked
 
 
 @contextmanager

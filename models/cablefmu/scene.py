@@ -21,6 +21,7 @@ from pydantic import ValidationError
 from cablefmu.assembly import assemble
 from cablefmu.cable import Cable
 from cablefmu.errors import SceneError
+from cablefmu.files import is_path
 from cablefmu.scene_inputs import CsvInput, build_signal, with_derivatives
 from cablefmu.scene_mistakes import Mistake, MistakeFoundError, mistakes_of, nearest, scene_error
 from cablefmu.scene_schema import MAX_LINKS, Spec
@@ -148,7 +149,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
         If there is no such scene, or with one line for every mistake in it.
     """
     asked = str(name_or_path)
-    if isinstance(name_or_path, Path) or asked.endswith(".toml") or "/" in asked or "\\" in asked:
+    if is_path(name_or_path):
         path = Path(name_or_path)
         text = _decode(_read_file(path, path.name), asked)
         return _make(text, path.stem, asked, path, lambda file: _read_beside(path, file))

@@ -62,8 +62,7 @@ class SineInput(Table):
     """Without it, the sine has always been there."""
 
     def build(self, read: Callable[[str], bytes]) -> Signal:
-        frequency = self.frequency if self.frequency is not None else 1.0 / (self.period or 1.0)
-        return Sine(self.amplitude, frequency, self.phase, self.offset, self.start)
+        return Sine(self.amplitude, u.hertz(self.frequency, self.period), self.phase, self.offset, self.start)
 
 
 class StepsInput(Table):
@@ -137,8 +136,7 @@ class SineMotion(Table):
     offset: u.Coordinate = 0.0
 
     def build(self, read: Callable[[str], bytes]) -> Signal:
-        frequency = self.frequency if self.frequency is not None else 1.0 / (self.period or 1.0)
-        return Sine(self.amplitude, frequency, self.phase, self.offset)
+        return Sine(self.amplitude, u.hertz(self.frequency, self.period), self.phase, self.offset)
 
 
 class CsvMotion(CsvInput):

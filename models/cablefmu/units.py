@@ -48,6 +48,7 @@ __all__ = [
     "Time",
     "Tolerance",
     "Volume",
+    "hertz",
 ]  # fmt: skip
 
 LARGEST = 1e15
@@ -192,6 +193,11 @@ def _as_float(value: float) -> float:
         return float(value)
     except OverflowError:  # TOML integers have no upper limit
         return math.inf
+
+
+def hertz(frequency: float | None, period: float | None) -> float:
+    """Frequency [Hz], whichever way a table gives it: `one_of` sees to it that there is one of them."""
+    return frequency if frequency is not None else 1.0 / (period or 1.0)
 
 
 def _above_zero(noun: str, unit: str, example: str) -> Measure:

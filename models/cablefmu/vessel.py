@@ -46,7 +46,7 @@ class SineTable(Table):
     @property
     def hertz(self) -> float:
         """Frequency [Hz], whichever way it was given."""
-        return self.frequency if self.frequency is not None else 1.0 / (self.period or 1.0)
+        return u.hertz(self.frequency, self.period)
 
 
 def _listed(value: object) -> object:

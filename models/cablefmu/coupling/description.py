@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..errors import CouplingError
+from ..files import is_path
 from ..scene_mistakes import Mistake, nearest
 from .mistakes import coupling_error, mistakes_of
 from .schema import FileSpec
@@ -101,7 +102,7 @@ def load_coupling(name_or_path: str | Path) -> Coupling:
         If there is no such coupling, or with one line for every mistake that shows without its FMUs.
     """
     asked = str(name_or_path)
-    if not (isinstance(name_or_path, Path) or asked.endswith(".toml") or "/" in asked or "\\" in asked):
+    if not is_path(name_or_path):
         if asked not in shipped_couplings():
             known = nearest(asked, shipped_couplings())
             raise CouplingError(f'no coupling "{asked[:60]}" ships; {known}; or give the path of a .toml file')

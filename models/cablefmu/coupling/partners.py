@@ -12,6 +12,7 @@ from typing import Any
 from fmpy import fmi2, fmi3
 from fmpy.fmi1 import FMICallException
 
+from ..drive import fmi2_callbacks
 from ..errors import FmuError, RunError
 from .extrapolation import Polynomial
 from .models import REAL, Model
@@ -196,15 +197,7 @@ class _Fmi2(Partner):
 
     def __init__(self, model: Model, inputs: Sequence[str]) -> None:
         super().__init__(model, inputs)
-
-        def log(environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-            self.messages.append(message.decode("utf-8", "replace").replace("%%", "%"))
-
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log)
-        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
-        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
-        self._callbacks = callbacks  # must outlive the instance
+        callbacks = self._callbacks = fmi2_callbacks(self.messages)  # must outlive the instance
         # pythonfmu keeps even its errors to itself when logging is off.
         self._load(fmi2.FMU2Slave, lambda fmu: fmu.instantiate(callbacks=callbacks, loggingOn=True))
 
