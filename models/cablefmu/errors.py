@@ -9,7 +9,8 @@
     │   ├── FmuError     an archive that is not one of ours, or is damaged
     │   ├── CouplingError  something in a coupling file, or between the models that it couples
     │   ├── StateError   a saved state that is none, is damaged, or is of another run
-    │   └── VesselError  something in a vessel's table (or in a file that it names)
+    │   ├── VesselError  something in a vessel's table (or in a file that it names)
+    │   └── WavesError   something in a sea's table
     └── RunError         a run that could not go on; status 1, results up to then are kept
 
 Every message is whole sentences for a person: what is wrong, where, and what is allowed.
@@ -27,6 +28,7 @@ __all__ = [
     "StateError",
     "UserError",
     "VesselError",
+    "WavesError",
 ]
 
 
@@ -64,6 +66,10 @@ class StateError(UserError):
 
 class VesselError(UserError):
     """One or more mistakes in a vessel's table, one line each: where, key, value, what is allowed."""
+
+
+class WavesError(UserError):
+    """One or more mistakes in a sea's table, one line each: where, key, value, what is allowed."""
 
 
 class RunError(CableError):
