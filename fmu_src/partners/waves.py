@@ -53,9 +53,9 @@ def horner(z: Floats, coefficients: tuple[float, ...]) -> Floats:
 def sincos(turns: Floats) -> tuple[Floats, Floats]:
     """Sine and cosine of angles in turns.
 
-    numpy's own differ in the last digit between processors. Whole turns and quarters are taken off without rounding.
+    numpy's own may differ in the last digit between processors. Turns and quarters are taken off without rounding.
     """
-    quarters = 4.0 * (turns - np.floor(turns))
+    quarters = 4.0 * (turns - np.floor(turns + 0.5))
     nearest = np.floor(quarters + 0.5)
     r = (quarters - nearest) * (0.5 * math.pi)
     z = r * r

@@ -152,16 +152,21 @@ def nonlinear(
     def of_length(length: float) -> Any:
         water = min(depth, _DEEP * length)
         try:
-            if theory == "Stokes":
-                return raschii.StokesWave(height, water, length, N=order, g=gravity)
-            # Undamped Newton steps converge to the last digits, or not at all.
-            return raschii.FentonWave(height, water, length, N=order, g=gravity, relax=1.0)
+            with np.errstate(all="ignore"):  # what comes of it is looked at
+                if theory == "Stokes":
+                    return raschii.StokesWave(height, water, length, N=order, g=gravity)
+                # Undamped Newton steps converge to the last digits, or not at all.
+                return raschii.FentonWave(height, water, length, N=order, g=gravity, relax=1.0)
         except (raschii.RaschiiError, ArithmeticError, np.linalg.LinAlgError):
             raise _not_found(theory, height, length, depth) from None
 
     if length is None:
         assert period is not None
-        length = _length_of(lambda tried: float(of_length(tried).period), period, depth, gravity)
+        linear = 2.0 * math.pi / float(wave_number(np.array([2.0 * math.pi / period]), depth, gravity)[0])
+        try:
+            length = _length_of(lambda tried: float(of_length(tried).period), period, linear)
+        except RuntimeError:  # scipy's, where secants lead nowhere
+            raise _not_found(theory, height, linear, depth) from None
     k = 2.0 * math.pi / length
     limit = breaking_height(k, depth)
     _check_height("height", height, limit, k)
@@ -183,27 +188,22 @@ def _harmonics(values: Floats, order: int) -> Floats:
     return np.asarray(2.0 / len(values) * np.fft.rfft(values).real[1 : order + 1], dtype=float)
 
 
-def _length_of(period_of: Callable[[float], float], period: float, depth: float, gravity: float) -> float:
+def _length_of(period_of: Callable[[float], float], period: float, linear: float) -> float:
     """The length whose wave has this period [m].
 
     Nonlinear waves are up to a quarter longer than linear ones: secants from there, as shorter ones might break.
     """
-    linear = 2.0 * math.pi / float(wave_number(np.array([2.0 * math.pi / period]), depth, gravity)[0])
-    return float(
-        newton(lambda length: period_of(length) - period, 1.2 * linear, x1=1.1 * linear, tol=1e-11 * linear, maxiter=50)
-    )
+    start, tolerance = 1.2 * linear, 1e-9 * linear
+    return float(newton(lambda tried: period_of(tried) - period, start, x1=1.1 * linear, tol=tolerance, maxiter=50))
 
 
 def _not_found(theory: str, height: float, length: float, depth: float) -> MistakeFoundError:
-    k = 2.0 * math.pi / length
+    limit = breaking_height(2.0 * math.pi / length, depth)
     text = (
-        f"{theory}' theory has no such wave, {length:.4g} m long; "
-        if theory == "Stokes"
-        else (f"the stream function finds no such wave, {length:.4g} m long; ")
+        f"{theory} waves of this height and {length:.4g} m length are not found; they break from about {limit:.4g} m on"
     )
-    text += f"it would break from about {breaking_height(k, depth):.4g} m on"
     if depth < 0.1 * length:
-        text += ', and water so shallow asks for kind = "fenton" with more harmonics (order)'
+        text += ', and in water so shallow kind = "fenton" with a high order finds most'
     return MistakeFoundError(Mistake("height", text, height))
 
 
@@ -234,9 +234,9 @@ def irregular(
     from wavespectra.construct.frequency import jonswap, pierson_moskowitz
 
     peaks = duration / peak_period
-    most = MOST_WAVES / (HIGHEST - LOWEST)
+    most = math.floor(MOST_WAVES / (HIGHEST - LOWEST))
     if not FEWEST_PEAKS <= peaks <= most:
-        text = f"{FEWEST_PEAKS} to {most:.0f} peak periods of {peak_period:g} s are expected"
+        text = f"{FEWEST_PEAKS} to {most} peak periods of {peak_period:g} s are expected"
         raise MistakeFoundError(Mistake("duration", text, duration))
     peak = 1.0 / peak_period
     at_peak = float(wave_number(np.array([2.0 * math.pi * peak]), depth, gravity)[0])
