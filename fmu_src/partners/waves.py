@@ -108,9 +108,10 @@ class Series:
         self.coefficients = coefficients
         # n = first + a rows + b: cosines and sines of all n are products of those of first + a rows and of b.
         self.rows = math.isqrt(self.count - 1) + 1
-        columns = -(-self.count // self.rows)
-        self.coarse = first + self.rows * np.arange(columns, dtype=float)
-        self.fine = np.arange(self.rows, dtype=float)
+        self.columns = -(-self.count // self.rows)
+        coarse = first + self.rows * np.arange(self.columns, dtype=float)
+        fine = np.arange(self.rows, dtype=float)
+        self.factors = np.concatenate((coarse, fine))
 
     def turned(self, turns: Floats, size: float) -> list[tuple[Floats, Floats]]:
         """Coefficients alpha, beta of every series, turned and sized, in rows b and columns a."""
@@ -121,15 +122,15 @@ class Series:
         ]
 
     def grid(self, values: Floats) -> Floats:
-        padded = np.zeros(len(self.coarse) * self.rows)
+        padded = np.zeros(self.columns * self.rows)
         padded[: self.count] = values
-        return np.ascontiguousarray(padded.reshape(len(self.coarse), self.rows).T)
+        return np.ascontiguousarray(padded.reshape(self.columns, self.rows).T)
 
     def waves_at(self, time: float) -> tuple[Floats, Floats]:
         """Cosines and sines of all harmonics, in rows b and columns a."""
-        passed = time / self.period
-        sine_b, cosine_b = (values[:, None] for values in sincos(self.fine * passed))
-        sine_a, cosine_a = sincos(self.coarse * passed)
+        sine, cosine = sincos(self.factors * (time / self.period))
+        (sine_a, sine_b), (cosine_a, cosine_b) = (np.split(values, [self.columns]) for values in (sine, cosine))
+        sine_b, cosine_b = sine_b[:, None], cosine_b[:, None]
         return cosine_b * cosine_a - sine_b * sine_a, sine_b * cosine_a + cosine_b * sine_a
 
     def rates(self, pair: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
