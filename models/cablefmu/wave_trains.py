@@ -157,7 +157,7 @@ def nonlinear(
                     return raschii.StokesWave(height, water, length, N=order, g=gravity)
                 # Undamped Newton steps converge to the last digits, or not at all.
                 return raschii.FentonWave(height, water, length, N=order, g=gravity, relax=1.0)
-        except (raschii.RaschiiError, ArithmeticError, np.linalg.LinAlgError):
+        except (raschii.RaschiiError, ArithmeticError, ValueError):  # whatever its formulas end in
             raise _not_found(theory, height, length, depth) from None
 
     if length is None:

@@ -7,6 +7,8 @@ import pytest
 
 from cablefmu.coupling import couple
 from cablefmu.coupling.description import Coupling
+from cablefmu.coupling.engines import run_with
+from cablefmu.coupling.system import opened
 from cablefmu.errors import CouplingError
 
 TEXT = """
@@ -73,6 +75,43 @@ def test_a_sea_lifts_a_floater(algorithm: str) -> None:
     faster = result["cable.v_m1"].values - result["sea.vy[1]"].values
     force = -500.0 * sunk - 100.0 * faster
     assert np.abs(force - result["buoyancy.F_a"].values).max() < LATE[algorithm] * np.abs(force).max()
+
+
+OTHERS = """
+[coupling]
+stop_time = 6
+step = 0.1
+
+[[model]]
+name = "sea"
+[model.waves]
+kind = "jonswap"
+significant_height = 2
+peak_period = 7
+duration = 600
+outputs = ["elevation", "velocity"]
+
+[[model]]
+name = "plate"
+partner = "spring"
+parameters = { drag = 300.0 }
+inputs = { y_a = 0.0, v_a = 0.0, y_b = 0.0 }
+
+[[connection]]
+from = "sea.vy[1]"
+to = "plate.v_b"
+"""
+
+
+@pytest.mark.parametrize("engine", ["libcosim", "fmpy-ssp"])
+def test_other_engines_have_the_same_sea(engine: str) -> None:
+    """But for their times, which differ in the last digits: libcosim counts nanoseconds, FMPy adds up steps."""
+    with opened(Coupling.from_text(OTHERS, name="x")) as system:
+        own, other = run_with("own", system), run_with(engine, system)
+    for name in ("sea.elevation[1]", "sea.vx[1]", "sea.vy[1]"):
+        expected = own[name].values[1:]
+        assert np.abs(expected).max() > 0.2
+        assert np.abs(other[name].values - expected).max() < 1e-12
 
 
 def test_a_mistake_in_a_seas_table_is_one_of_the_coupling() -> None:
