@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,8 @@ from cablefmu.coupling.description import Coupling
 from cablefmu.coupling.extrapolation import through
 from cablefmu.coupling.partners import make_partner
 from cablefmu.coupling.run import run_system
-from cablefmu.coupling.system import opened, varied
+from cablefmu.coupling.schema import AdaptiveSpec
+from cablefmu.coupling.system import System, opened, varied
 from cablefmu.coupling_report import CouplingReport, make_coupling_report
 from cablefmu.coupling_report_command import names_coupling
 from cablefmu.coupling_report_files import write_coupling_report
@@ -129,17 +131,18 @@ def test_mass_inside_is_mass_outside(mass: float, tmp_path: Path) -> None:
     assert found == pytest.approx(mass_outside(coupling, times), abs=GOOD)
 
 
-def largest(coupling: Coupling, truth: Truth, **settings: object) -> float:
-    """Error of a run after the first 10 % [m]."""
+def largest(coupling: Coupling, truth: Truth, *, since: float = 0.1 * STOP, **settings: object) -> float:
+    """Error of a run from a time on, by default after the first 10 % [m]."""
     with opened(coupling) as system:
         result = run_system(varied(system, **settings))
-    right, late = truth.at(result["time"].values), result["time"].values >= 0.1 * STOP
+    right, late = truth.at(result["time"].values), result["time"].values >= since
     return max(float(np.abs(result[name].values - right[name])[late].max()) for name in NAMES)
 
 
 @pytest.mark.parametrize(
     ("algorithm", "extrapolation", "order"),
-    [("jacobi", 0, 1), ("jacobi", 1, 2), ("gauss-seidel", 0, 1), ("gauss-seidel", 1, 2),
+    [("jacobi", 0, 1), ("jacobi", 1, 2), ("jacobi", 2, 3),
+     ("gauss-seidel", 0, 1), ("gauss-seidel", 1, 2), ("gauss-seidel", 2, 3),
      ("iterated", 0, 1), ("iterated", 1, 2), ("iterated", 2, 3)],
 )  # fmt: skip
 def test_coupled_runs_tend_to_the_whole(algorithm: str, extrapolation: int, order: int, tmp_path: Path) -> None:
@@ -152,6 +155,56 @@ def test_coupled_runs_tend_to_the_whole(algorithm: str, extrapolation: int, orde
     observed = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert observed == pytest.approx([order] * 2, abs=0.35), errors
     assert errors[-1] > 10.0 * truth.good_to  # what was measured is the coupling
+
+
+@pytest.mark.parametrize(("starts_iterated", "order"), [(True, 3.0), (False, 2.0)])
+def test_the_order_of_quadratic_inputs_is_decided_by_the_first_steps(
+    starts_iterated: bool, order: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Over the whole run: iterated, they err as all others do; with too few samples by the step squared."""
+    coupling = small(tmp_path)
+    with opened(coupling) as system:
+        truth = find_truth(system)
+        assert [varied(system, extrapolation=order).starts_iterated for order in (0, 2)] == [False, True]
+    if not starts_iterated:
+        monkeypatch.setattr(System, "starts_iterated", False)
+    errors = [
+        largest(coupling, truth, since=0.0, algorithm="jacobi", extrapolation=2, step=h) for h in (0.05, 0.025, 0.0125)
+    ]
+    assert np.log2(np.array(errors[:-1]) / np.array(errors[1:])) == pytest.approx([order] * 2, abs=0.1), errors
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+def test_quadratic_inputs_are_of_third_order_for_the_moored_vessel(
+    algorithm: str, moored: tuple[System, Truth]
+) -> None:
+    """From the start, with steps that resolve what the cable's force does in the first tenths of a second."""
+    system, truth = moored
+    errors = []
+    for step in (0.0125, 0.00625):
+        result = run_system(varied(system, algorithm=algorithm, extrapolation=2, step=step))
+        right = truth.at(result["time"].values)
+        errors.append(max(float(np.abs(result[name].values - right[name]).max()) for name in NAMES))
+    assert np.log2(errors[0] / errors[1]) > 2.8, errors
+    assert errors[1] > 10.0 * truth.good_to
+
+
+@pytest.fixture(scope="module")
+def moored() -> Iterator[tuple[System, Truth]]:
+    """The first second of the coupling that ships."""
+    with opened(load_coupling("moored-vessel")) as system:
+        system = varied(system, stop_time=1.0)
+        yield system, find_truth(system)
+
+
+@pytest.mark.parametrize(("name", "algorithm"), [("moored-vessel", "jacobi"), ("light-vessel", "iterated")])
+def test_adaptive_steps_begin(name: str, algorithm: str) -> None:
+    """At a tolerance whose first steps, were they held, would be too wrong to go on from."""
+    with opened(load_coupling(name)) as system:
+        adaptive = AdaptiveSpec(tolerance=1e-4, smallest=0.1 / 256.0, largest=0.1)
+        settings = {"algorithm": algorithm, "extrapolation": 1, "adaptive": adaptive, "step": 0.1, "stop_time": 0.4}
+        result = run_system(varied(system, **settings))
+    assert result.attrs["longest_step"] > 4.0 * result.attrs["shortest_step"]
 
 
 def test_light_vessels_need_iteration(tmp_path: Path) -> None:
