@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -20,7 +22,7 @@ from cablefmu.coupling.schema import AdaptiveSpec
 from cablefmu.coupling.system import System, opened, varied
 from cablefmu.coupling_report import CouplingReport, make_coupling_report
 from cablefmu.coupling_report_command import names_coupling
-from cablefmu.coupling_report_files import write_coupling_report
+from cablefmu.coupling_report_files import write_coupling_report, write_orders
 from cablefmu.coupling_report_tables import coupling_sheets
 from cablefmu.coupling_report_truth import Truth, find_truth
 from cablefmu.coupling_report_whole import NotOneError, whole_scene
@@ -28,59 +30,10 @@ from cablefmu.errors import OptionError, RunError
 from cablefmu.reference import Reference
 from cablefmu.scene import load_scene
 from cablefmu.vessel import BodyTable, Vessel
+from tests.coupling.ships import NAMES, STOP, small
 
-SCENE = """
-format = 1
-description = "6 links with a load under a ship"
-[cable]
-links = 6
-length = "30 m"
-diameter = "20 mm"
-density = "7850 kg/m^3"
-young_modulus = "80 GPa"
-joint_damping = "2.8 N m s/rad"
-[water]
-Cd = 1.0
-[top]
-kind = "motion"
-[terminal]
-kind = "load"
-mass = "50 kg"
-density = "7850 kg/m^3"
-[shape]
-kind = "hanging"
-[run]
-stop_time = "2.4 s"
-"""
-
-STOP = 2.4
 GOOD = 1e-8
 """Of the FMU of the whole at 1e-10 against either dense integration [m]; measured: below 1e-9."""
-
-
-def small(folder: Path, *, mass: float = 4000.0) -> Coupling:
-    """A vessel and a cable of 6 links and 124 kg with its load; the vessel's periods are about 3 s."""
-    (folder / "ship.toml").write_text(SCENE, encoding="utf-8")
-    text = load_coupling("moored-vessel").text
-    body = f"""kind = "body"
-m_x = {mass}
-m_y = {mass}
-k_x = {4.0 * (mass + 100.0)}
-k_y = {5.0 * (mass + 100.0)}
-c_x = {0.2 * mass}
-c_y = {0.3 * mass}
-x_0 = 1.0
-y_0 = -0.5
-vx_0 = 0.2
-static_load_y = 900.0
-external_x = 50.0"""
-    head, _, rest = text.partition("[model.vessel]")
-    tail = rest[rest.index("[[model]]") :]
-    text = f"{head}[model.vessel]\n{body}\n\n{tail}"
-    for old, new in (("towed-40", "ship.toml"), ('"16 s"', str(STOP))):
-        assert old in text
-        text = text.replace(old, new)
-    return Coupling.from_text(text, name="small", folder=folder)
 
 
 def mass_outside(coupling: Coupling, times: Floats) -> Floats:
@@ -114,9 +67,6 @@ def mass_outside(coupling: Coupling, times: Floats) -> Floats:
     states = solve_ivp(right_side, (0.0, times[-1]), start, "DOP853", times, rtol=1e-10, atol=1e-12).y.T
     ends = [model.outputs(s[:n], s[n : 2 * n], inputs(s, np.zeros(2))) for s in states]
     return np.column_stack([states[:, 2 * n : 2 * n + 2], [(end["x_c"], end["y_c"]) for end in ends]])
-
-
-NAMES = ("vessel.x", "vessel.y", "cable.x_c", "cable.y_c")
 
 
 @pytest.mark.parametrize("mass", [4000.0, 40.0])
@@ -309,6 +259,32 @@ def test_files_and_names(light: CouplingReport, tmp_path: Path) -> None:
     (tmp_path / "one.toml").write_text(light.coupling.text, encoding="utf-8")
     assert names_coupling("light-vessel") and names_coupling(str(tmp_path / "one.toml"))
     assert not names_coupling("towed-40") and not names_coupling(str(tmp_path / "none.toml"))
+
+
+@pytest.mark.slow
+def test_orders_are_drawn_as_they_are(light: CouplingReport, tmp_path: Path) -> None:
+    """Every family that has a stable step, as steep beside the slope of 1 as its order; the same file every time."""
+    path = write_orders([light], tmp_path)
+    text = path.read_bytes()
+    assert write_orders([light], tmp_path).read_bytes() == text
+    slopes = dict(drawn_slopes(text, "o-small-"))
+    unit = slopes.pop("o-small-slope-1")
+    assert [slopes.pop(f"o-small-slope-{k}") / unit for k in (2, 3)] == pytest.approx([2.0, 3.0], rel=1e-4)
+    orders = {f"o-small-{f.algorithm}-{f.extrapolation}": f.order for f in light.families if f.longest_stable}
+    assert slopes.keys() == orders.keys() >= {"o-small-iterated-1", "o-small-iterated-2"}
+    for name in ("o-small-iterated-1", "o-small-iterated-2"):
+        assert slopes[name] / unit == pytest.approx(orders[name], rel=1e-3)
+
+
+def drawn_slopes(text: bytes, prefix: str) -> Iterator[tuple[str, float]]:
+    """Of every line whose name begins so, down for across, fitted."""
+    for group in ElementTree.fromstring(text).iter("{http://www.w3.org/2000/svg}g"):
+        path = group.find("{http://www.w3.org/2000/svg}path")
+        if group.get("id", "").startswith(prefix) and path is not None:
+            points = re.findall(r"[ML] (\S+) (\S+)", path.attrib["d"])
+            if len(points) > 1:
+                across, down = np.array(points, dtype=float).T
+                yield group.attrib["id"], float(np.polyfit(across, down, 1)[0])
 
 
 @pytest.mark.parametrize(("accuracy", "limit"), [(0.0, 60.0), (float("nan"), 60.0), (1e-3, 0.0)])
