@@ -23,7 +23,7 @@ from cablefmu.coupling.system import System, opened, varied
 from cablefmu.coupling_report import CouplingReport, make_coupling_report
 from cablefmu.coupling_report_command import names_coupling
 from cablefmu.coupling_report_files import write_coupling_report, write_orders
-from cablefmu.coupling_report_tables import coupling_sheets
+from cablefmu.coupling_report_tables import ORDER_NAMES, coupling_sheets
 from cablefmu.coupling_report_truth import Truth, find_truth
 from cablefmu.coupling_report_whole import NotOneError, whole_scene
 from cablefmu.errors import OptionError, RunError
@@ -274,6 +274,20 @@ def test_orders_are_drawn_as_they_are(light: CouplingReport, tmp_path: Path) -> 
     assert slopes.keys() == orders.keys() >= {"o-small-iterated-1", "o-small-iterated-2"}
     for name in ("o-small-iterated-1", "o-small-iterated-2"):
         assert slopes[name] / unit == pytest.approx(orders[name], rel=1e-3)
+
+
+def test_the_picture_in_the_docs_is_that_of_their_table() -> None:
+    """If not: `cablefmu report moored-vessel light-vessel`, and copy its picture and its orders."""
+    docs = Path(__file__).parents[1] / "docs"
+    slopes = dict(drawn_slopes((docs / "coupling-orders.svg").read_bytes(), "o-moored-vessel-"))
+    unit = slopes["o-moored-vessel-slope-1"]
+    rows = re.findall(
+        r"^\| ([a-z-]+), (held|linear|quadratic) \|.* (\S+) \|$", (docs / "coupling.md").read_text("utf-8"), re.M
+    )
+    assert len(rows) == 9
+    for algorithm, inputs, order in rows:
+        name = f"o-moored-vessel-{algorithm}-{ORDER_NAMES.index(inputs)}"
+        assert slopes[name] / unit == pytest.approx(float(order), abs=0.006)
 
 
 def drawn_slopes(text: bytes, prefix: str) -> Iterator[tuple[str, float]]:

@@ -44,6 +44,17 @@ def test_error_is_of_the_order_of_the_inputs_plus_one(
     assert np.log2(errors[0] / errors[1]) == pytest.approx(extrapolation + 1, abs=NEAR)
 
 
+def test_first_steps_are_iterated_and_no_others(cables: Path) -> None:
+    """Two of 20 with quadratic inputs; what stops them says that it need not be."""
+    result = couple(oscillators(cables, step=0.1, extrapolation=2))
+    assert result.attrs["steps"] == 20
+    first = couple(oscillators(cables, step=0.1, extrapolation=2, algorithm="iterated")).isel(time=slice(0, 3))
+    assert result["a.y_m1"].values[:3].tolist() == first["a.y_m1"].values.tolist()
+    assert couple(oscillators(cables, step=0.1)).attrs["evaluations"] == 20 < result.attrs["evaluations"] < 40
+    with pytest.raises(RunError, match=r"from t = 0 s did not agree in 2 iterations: .*; extrapolation = 0 needs none"):
+        couple(oscillators(cables, step=0.1, extrapolation=2, more="iteration = { most = 2 }"))
+
+
 def test_what_knows_more_of_the_end_is_more_exact(cables: Path) -> None:
     """Gauss-Seidel interpolates half of what Jacobi extrapolates, the iterated step all of it."""
     jacobi, seidel, iterated = (

@@ -167,7 +167,10 @@ class _Iterated(_Base):
         except NotFoundError as error:
             where = worst(error.residual, guessed, self.exchange)
             most = self.system.settings.iteration.most
-            raise RunError(f"the step from t = {time:.12g} s did not agree in {most} iterations: {where}") from None
+            text = f"the step from t = {time:.12g} s did not agree in {most} iterations: {where}"
+            if self.system.settings.algorithm != "iterated":
+                text += "; the first steps are iterated so that extrapolation can begin; extrapolation = 0 needs none"
+            raise RunError(text) from None
         finally:
             for name, state in states.items():
                 self.partners[name].forget(state)
