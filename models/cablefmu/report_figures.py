@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["figures", "log_axes", "svg"]
+__all__ = ["figures", "log_axes", "prepare_log_axes", "svg"]
 
 _COLORS = {
     "explicit": "#0b6fb8", "implicit": "#d1495b", "automatic": "#2e8b57", "CVode": "#8a6d3b",
@@ -72,10 +72,15 @@ def log_axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
 
     figure = Figure(figsize=(6.0, 4.2), layout="constrained")
     axes = figure.add_subplot()
+    prepare_log_axes(axes, title, x, y)
+    return figure, axes
+
+
+def prepare_log_axes(axes: Axes, title: str, x: str, y: str) -> None:
+    """Logarithmic axes, their names, and what is easily read across."""
     axes.set(xlabel=x, ylabel=y, title=title, xscale="log", yscale="log")
     axes.grid(alpha=0.3)
     _plain_ticks(axes)
-    return figure, axes
 
 
 def _plain_ticks(axes: Axes) -> None:
