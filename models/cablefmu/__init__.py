@@ -10,10 +10,22 @@
 __version__ = "0.1.0"
 
 from .coupling import Coupling, couple, load_coupling, shipped_couplings
-from .errors import CableError, CouplingError, FmuError, OptionError, RunError, SceneError, UserError, VesselError
+from .errors import (
+    CableError,
+    CouplingError,
+    FmuError,
+    OptionError,
+    ResultError,
+    RunError,
+    SceneError,
+    UserError,
+    VesselError,
+)
 from .fmu.archive import build_fmu
 from .fmu.twin import build_twin
 from .fmu.vessel import build_vessel
+from .plot import draw
+from .reading import open_result
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .statics import Equilibrium, Modes, end_stiffness, equilibrium, modes
@@ -27,6 +39,7 @@ __all__ = [
     "FmuError",
     "Modes",
     "OptionError",
+    "ResultError",
     "RunError",
     "Scene",
     "SceneError",
@@ -38,11 +51,13 @@ __all__ = [
     "build_twin",
     "build_vessel",
     "couple",
+    "draw",
     "end_stiffness",
     "equilibrium",
     "load_coupling",
     "load_scene",
     "modes",
+    "open_result",
     "shipped_couplings",
     "shipped_scenes",
     "simulate",

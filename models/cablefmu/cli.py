@@ -125,7 +125,8 @@ def run(
         Parameter(
             consume_multiple=True,
             help="Beside what the scene asks for: theta, omega, or names such as theta[3]; nodes, tensions: where "
-            "every node is, and the pull in every link; modes, stiffness: natural frequencies with mode shapes, and the cable's end stiffness, about the equilibrium for the inputs of the start.",
+            "every node is, and the pull in every link; modes, stiffness: natural frequencies with mode shapes, and "
+            "the cable's end stiffness, about the equilibrium for the inputs of the start.",
         ),
     ] = None,
     save_state: Annotated[

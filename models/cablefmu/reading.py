@@ -12,7 +12,7 @@ import xarray as xr
 
 from .cable import Floats
 from .errors import ResultError
-from .results import columns_of
+from .results import ORDER, columns_of
 from .statics_results import read_statics
 
 __all__ = ["open_result"]
@@ -116,10 +116,8 @@ def _from_netcdf(path: Path) -> xr.Dataset:
     try:
         with xr.open_dataset(path, engine="scipy", decode_times=False) as file:
             result = file.load()
-    except (TypeError, ValueError, KeyError, IndexError) as error:
-        raise ResultError(
-            f"{path}: is not a NetCDF file of the classic format, or is damaged ({error}); {_OURS}"
-        ) from None
+    except (TypeError, ValueError, KeyError, IndexError):
+        raise ResultError(f"{path}: is not a NetCDF file of the classic format, or is damaged; {_OURS}") from None
     if "time" not in result.coords or not str(result.attrs.get("source", "")).startswith("cablefmu"):
         raise ResultError(f"{path}: holds no results of a run; {_OURS}")
     return _as_it_was(result)
@@ -132,6 +130,10 @@ def _as_it_was(result: xr.Dataset) -> xr.Dataset:
         if values.dtype.kind != "f":
             wide = values.astype(np.int64) if values.dtype.kind == "i" else values.astype(str)
             result = result.assign_coords({name: (result[name].dims, wide, result[name].attrs)})
+    in_order = {name: result.variables[name] for name in json.loads(result.attrs.pop(ORDER))}
+    coordinates = {name: variable for name, variable in in_order.items() if name in result.coords}
+    numbers = {name: variable for name, variable in in_order.items() if name not in coordinates}
+    result = xr.Dataset(numbers, coordinates, result.attrs)
     result.attrs = _plain(result.attrs)
     for name in result.variables:
         result[name].attrs = _plain(result[name].attrs)

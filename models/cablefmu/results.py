@@ -21,7 +21,7 @@ from .fmu.variables import Variable
 from .scene import Scene
 from .statics_results import is_over_time, write_statics
 
-__all__ = ["Recording", "columns_of", "dataset", "write_results"]
+__all__ = ["ORDER", "Recording", "columns_of", "dataset", "write_results"]
 
 
 @dataclass(slots=True)
@@ -111,10 +111,15 @@ def write_results(result: xr.Dataset, path: Path) -> list[Path]:
         return [path, *write_statics(result, path)]
     if path.suffix == ".nc":
         with replacing(path) as temporary:
-            _plain(result).to_netcdf(temporary, engine="scipy", encoding=dict.fromkeys(_numbers(result), _AS_IT_IS))
+            order = {ORDER: json.dumps(list(result.variables))}
+            encoding = dict.fromkeys(_numbers(result), _AS_IT_IS)
+            _plain(result).assign_attrs(order).to_netcdf(temporary, engine="scipy", encoding=encoding)
         return [path]
     raise OptionError(f"{path}: a name that ends with .csv or .nc is expected")
 
+
+ORDER = "variable_order"
+"""Attribute of a NetCDF file, as JSON: the format is free to keep variables in an order of its own."""
 
 _AS_IT_IS = {"_FillValue": None}
 """No number stands for a missing one: there is none."""
