@@ -22,6 +22,7 @@ from .fmu.archive import build_fmu, default_path, open_fmu
 from .fmu.platforms import PLATFORMS
 from .fmu.twin import build_twin
 from .fmu.variables import ENUMERATIONS
+from .gallery_command import gallery
 from .plot import KINDS, Kind, check_picture, write_plot
 from .plot_command import as_asked, plot
 from .progress import showing_progress
@@ -261,6 +262,7 @@ def couple(
 
 app.command(stress)
 app.command(plot)
+app.command(gallery)
 
 
 def _archive_for(scene: str, fmi: int | None, saved_fmi: int | None) -> tuple[Path, Scene]:
