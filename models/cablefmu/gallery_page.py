@@ -12,7 +12,7 @@ from typing import Any
 
 from .files import replacing
 from .fmu.table import table
-from .gallery import TIGHTER, VISIBLE, Error, Shown, what_to_see
+from .gallery import TIGHTER, VISIBLE, Error, Exhibit, Shown, what_to_see
 from .pages import html_page
 from .plot import draw
 from .plot_style import style
@@ -30,8 +30,8 @@ dt { color: var(--faint); } dd { margin: 0; } nav a { margin-right: .8rem; white
 """
 
 _ABOUT = (
-    "Every figure of the dissertation's chapter 6 with results, computed anew from the scenes that ship. The print's own "
-    "pictures were not at hand, so the shapes at the start, which each scene file states, are ours."
+    "Every figure of the dissertation's chapter 6 with results, computed anew from the scenes that ship. The print's "
+    "own pictures were not at hand, so the shapes at the start, which each scene file states, are ours."
 )
 
 
@@ -92,7 +92,7 @@ def _told(shown: Shown) -> dict[str, str]:
     result, exhibit = shown.result, shown.exhibit
     end, run_time = float(result["time"].values[-1]), float(result.attrs["run_time"])
     told = {
-        "scene": f"cablefmu run {exhibit.scene}" + (f" --plot {exhibit.scene}.png" if exhibit.interval else ""),
+        "the same by": _command(exhibit),
         "what one sees": what_to_see(shown.scene),
         "parameters": parameters_text(shown.scene),
         "inputs": inputs_text(shown.scene),
@@ -107,6 +107,14 @@ def _told(shown: Shown) -> dict[str, str]:
     return told
 
 
+def _command(exhibit: Exhibit) -> str:
+    """What makes this picture on the command line."""
+    if not exhibit.names:
+        return f"cablefmu run {exhibit.scene} --plot {exhibit.scene}.png"
+    run = f"cablefmu run {exhibit.scene} --record theta"
+    return f"{run} && cablefmu plot build/{exhibit.scene}.csv --kind {exhibit.kind} --names {','.join(exhibit.names)}"
+
+
 def error_text(error: Error | None) -> str:
     """In words."""
     if error is None:
@@ -116,9 +124,7 @@ def error_text(error: Error | None) -> str:
     )
     if error.visible_from is None:
         return text
-    return (
-        f"{text}; below {1e3 * VISIBLE:g} mm before t = {error.visible_from:g} s, from where on neither can be trusted"
-    )
+    return f"{text}; below {1e3 * VISIBLE:g} mm before t = {error.visible_from:g} s"
 
 
 def parameters_text(scene: Scene) -> str:

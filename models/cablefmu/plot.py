@@ -81,7 +81,7 @@ def draw(
 
 def _check_held(result: xr.Dataset, kind: str) -> None:
     held = {
-        "nodes": "node_x" in result or ("theta" in result and "link_length" in result),
+        "nodes": {"node_x", "node_y"} <= set(result) or ("theta" in result and "link_length" in result),
         "tensions": "tension" in result,
     }
     needed = KINDS[kind] if kind != "envelope" else ("nodes",)

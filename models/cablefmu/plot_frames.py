@@ -48,6 +48,7 @@ def _frames(times: Floats, interval: float) -> list[int]:
     """Indices of the output times nearest to 0, interval, 2 interval, ..., each once."""
     if not 0.0 < interval < np.inf:
         raise OptionError(f"interval = {interval}: a number above 0 [s] is expected")
-    count = min((times[-1] - times[0]) / interval + 0.5, float(len(times)))
-    wanted = times[0] + interval * np.arange(np.ceil(count))
+    if len(times) < 2 or interval <= np.diff(times).min():
+        return list(range(len(times)))
+    wanted = np.arange(times[0], times[-1] + 0.5 * interval, interval)
     return sorted({int(np.argmin(np.abs(times - t))) for t in wanted})

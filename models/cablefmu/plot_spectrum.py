@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
-from scipy.signal import welch
 
 from .cable import Floats
 from .errors import OptionError
@@ -47,6 +46,8 @@ def spectrum(times: Floats, values: Floats) -> tuple[Floats, Floats]:
     OptionError
         If there are too few times, or they are not regular.
     """
+    from scipy.signal import welch  # slow to import, and few need it
+
     step = np.diff(times)
     if len(step) > 1 and step[-1] < step[0] * (1.0 - _REGULAR):
         times, values, step = times[:-1], values[:-1], step[:-1]
@@ -83,4 +84,6 @@ def draw_spectrum(result: xr.Dataset, names: Sequence[str] = ()) -> Figure:
 
 
 def _squared(units: str) -> str:
-    return f"({units})^2" if "/" in units or " " in units else f"{units or '1'}^2" if units else "1"
+    if units in ("", "1"):
+        return "1"
+    return f"{units}^2" if units.isalpha() else f"({units})^2"

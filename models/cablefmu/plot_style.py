@@ -88,7 +88,7 @@ def labelled(units: str, names: Sequence[str]) -> str:
     """Label of an axis for these variables of one unit: a single one by its name, several by what they are."""
     what = names[0] if len(names) == 1 else _QUANTITIES.get(units, "value")
     down = ", y down" if any(_is_downward(name) for name in names) else ""
-    return f"{what} [{units}]{down}" if units else f"{what} [-]"
+    return f"{what} [{'-' if units in ('', '1') else units}]{down}"
 
 
 def _is_downward(name: str) -> bool:
