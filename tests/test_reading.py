@@ -25,6 +25,11 @@ def result() -> xr.Dataset:
     return simulate(small_scene("floater"), stop_time=0.5, record=ALL, parameters={"M_2": 510.0})
 
 
+@pytest.fixture(scope="module")
+def coupled() -> xr.Dataset:
+    return cablefmu.couple("moored-vessel")
+
+
 def assert_same(back: xr.Dataset, result: xr.Dataset) -> None:
     """Names, dimensions, every bit, every attribute, and their types."""
     xr.testing.assert_identical(back, result)
@@ -63,6 +68,19 @@ def test_one_link_and_nothing_recorded(name: str, tmp_path: Path) -> None:
     write_results(plain, tmp_path / name)
     del plain.attrs["set"]
     assert_same(open_result(tmp_path / name), plain)
+
+
+@pytest.mark.parametrize("name", ["x.csv", "x.nc"])
+def test_a_coupled_run_comes_back(name: str, coupled: xr.Dataset, tmp_path: Path) -> None:
+    """Names with dots, attributes of its own; those that are empty are not there."""
+    write_results(coupled, tmp_path / name)
+    told = {key: value for key, value in coupled.attrs.items() if value != ""}
+    expected = coupled.drop_attrs().assign_attrs(told)
+    for key, variable in coupled.variables.items():
+        expected[key].attrs = {word: value for word, value in variable.attrs.items() if value != ""}
+    back = open_result(tmp_path / name)
+    assert "vessel.y" in back
+    assert_same(back, expected)
 
 
 @pytest.mark.parametrize("name", ["x.csv", "x.nc"])
