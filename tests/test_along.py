@@ -13,6 +13,7 @@ from cablefmu.along import node_positions, states_for
 from cablefmu.cable import Cable, Floats
 from cablefmu.errors import OptionError, RunError
 from cablefmu.fmu.archive import build_fmu
+from cablefmu.fmu.twin import build_twin
 from cablefmu.kernel import KernelModel
 from cablefmu.reference.kinematics import motion_of, points
 from cablefmu.reference.model import Reference
@@ -149,6 +150,22 @@ def test_with_arrays_they_have_as_many_links_as_were_asked_for(tmp_path: Path) -
     assert run.sizes["node"] == 9
     for name in ("node_x", "node_y", "tension"):
         np.testing.assert_array_equal(run[name], same[name])
+
+
+def test_a_run_that_goes_on_has_them_as_if_it_had_never_stopped(tmp_path: Path) -> None:
+    scene, given = small_scene("moved"), {"m_c": 75.0}
+    whole = simulate(scene, stop_time=0.4, record=BOTH, parameters=given)
+    simulate(scene, stop_time=0.2, parameters=given, save_state=tmp_path / "x.state")
+    later = simulate(scene, stop_time=0.4, record=BOTH, from_state=tmp_path / "x.state")
+    for name in ("node_x", "node_y", "tension"):
+        np.testing.assert_array_equal(later[name], whole[name][2:])
+
+
+def test_a_twin_has_them_as_well(tmp_path: Path) -> None:
+    """The dense model as an FMU: the largest along the cable is what that says itself."""
+    run = simulate(build_twin(small_scene("load"), tmp_path / "twin.fmu"), stop_time=0.3, record=BOTH)
+    np.testing.assert_allclose(run["tension"].max("link"), run["tension_max"], rtol=1e-10)
+    np.testing.assert_allclose(run["node_y"][:, -1], run["y_c"], rtol=1e-13)
 
 
 @pytest.mark.parametrize("n", [1, 2])

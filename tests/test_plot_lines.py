@@ -46,6 +46,14 @@ def test_names_elements_and_arrays_in_the_order_they_are_given(result: xr.Datase
     assert brightness == sorted(brightness) and brightness[0] < brightness[-1]
 
 
+def test_a_coupled_run_has_its_models_names_in_front() -> None:
+    values = {
+        name: ("time", [0.0]) for name in ("cable.solver.steps", "cable.x_c", "statics.residual", "solver_room.y")
+    }
+    (lines,) = chosen_lines(xr.Dataset(values, {"time": [0.0]})).values()
+    assert [line.name for line in lines] == ["cable.x_c", "solver_room.y"]
+
+
 @pytest.mark.parametrize("name", ["X_c", "theta[0]", "theta[6]", "theta[", "frequency", "x_c[1]", "node_x[7]", ""])
 def test_names_of_nothing(name: str, result: xr.Dataset) -> None:
     with pytest.raises(OptionError, match="the result has no such variable over time"):

@@ -20,7 +20,7 @@ def test_a_panel_for_each_unit_with_a_legend(result: xr.Dataset) -> None:
     figure = draw_series(result)
     assert figure.get_suptitle() == "load: over time"
     labels = [axes.get_ylabel() for axes in figure.axes]
-    assert labels == ["position [m], y down", "velocity [m/s], y down", "force [N]", "energy [J]"]
+    assert labels == ["position [m]\ny down", "velocity [m/s]\ny down", "force [N]", "energy [J]"]
     assert [axes.get_xlabel() for axes in figure.axes] == ["", "", "", "time [s]"]
     for axes in figure.axes:
         for line in axes.lines:
@@ -35,7 +35,7 @@ def test_a_panel_for_each_unit_with_a_legend(result: xr.Dataset) -> None:
 
 def test_named_ones_alone(result: xr.Dataset) -> None:
     (axes,) = draw_series(result, ["y_c"]).axes
-    assert (axes.get_ylabel(), axes.get_xlabel()) == ("y_c [m], y down", "time [s]")
+    assert (axes.get_ylabel(), axes.get_xlabel()) == ("y_c [m]\ny down", "time [s]")
     np.testing.assert_array_equal(axes.lines[0].get_ydata(), result["y_c"])
 
 

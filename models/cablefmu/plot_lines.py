@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Line", "chosen_lines", "panels_of"]
+
+
+_HEALTH = re.compile(r"(^|\.)(solver|statics)\.")
+"""What tells of the solver and of statics, also in a coupled run, where the model's name stands before it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +52,7 @@ def chosen_lines(result: xr.Dataset, names: Sequence[str] = ()) -> dict[str, lis
         If there is no such variable, or none at all.
     """
     every = {str(name): v for name, v in result.data_vars.items() if is_over_time(v)}
-    plain = [n for n, v in every.items() if v.ndim == 1 and not n.startswith(("solver.", "statics."))]
+    plain = [name for name, v in every.items() if v.ndim == 1 and not _HEALTH.search(name)]
     lines = [line for name in names or plain for line in _lines(result, every, name)]
     if not lines:
         raise OptionError("there are no numbers over time to draw; the scene drops its outputs")
@@ -75,4 +80,4 @@ def _lines(result: xr.Dataset, every: dict[str, xr.DataArray], name: str) -> lis
 
 def panels_of(groups: dict[str, list[Line]]) -> tuple[Figure, list[Axes]]:
     """A figure with a panel for each unit, below each other."""
-    return new_figure(len(groups), 1, size=(8.0, float(np.clip(1.0 + 2.0 * len(groups), 4.0, 14.0))))
+    return new_figure(len(groups), 1, size=(8.0, float(np.clip(1.0 + 2.0 * len(groups), 4.0, 30.0))))

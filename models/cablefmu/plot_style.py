@@ -87,7 +87,7 @@ def entitle(figure: Figure, result: xr.Dataset, text: str) -> None:
 def labelled(units: str, names: Sequence[str]) -> str:
     """Label of an axis for these variables of one unit: a single one by its name, several by what they are."""
     what = names[0] if len(names) == 1 else _QUANTITIES.get(units, "value")
-    down = ", y down" if any(_is_downward(name) for name in names) else ""
+    down = "\ny down" if any(_is_downward(name) for name in names) else ""
     return f"{what} [{'-' if units in ('', '1') else units}]{down}"
 
 
