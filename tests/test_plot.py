@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from matplotlib.image import imread
 
 import cablefmu
 from cablefmu.errors import OptionError, RunError
-from cablefmu.plot import KINDS, check_picture, draw, node_positions, picture_needs, write_plot
+from cablefmu.plot import KINDS, Kind, check_picture, draw, node_positions, picture_needs, write_plot
 from cablefmu.reading import open_result
 from cablefmu.results import write_results
 from cablefmu.scene import Scene
@@ -68,6 +69,10 @@ def test_nodes_begin_where_the_top_is(kind: str, top: tuple[str, str]) -> None:
 
 
 # --- kinds ---
+
+
+def test_the_command_line_takes_every_kind() -> None:
+    assert get_args(Kind) == tuple(KINDS)
 
 
 @pytest.mark.parametrize("kind", KINDS)

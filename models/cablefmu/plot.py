@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal
 
 import xarray as xr
 
@@ -35,7 +35,6 @@ KINDS: dict[str, tuple[str, ...]] = {
     "spectrum": (),
 }
 """What a run must record for each kind of picture, beside the variables that are named."""
-assert tuple(KINDS) == get_args(Kind)
 
 _NAMED = ("series", "spectrum")
 _SHAPES = 30

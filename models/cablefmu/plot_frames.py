@@ -40,7 +40,7 @@ def draw_frames(result: xr.Dataset, interval: float) -> Figure:
     axes.set_aspect("equal", adjustable="datalim")
     axes.invert_yaxis()
     span = f"from t = {times[0]:g} s (dark) to {times[-1]:g} s (bright)"
-    entitle(figure, result, f"every {interval:g} s {span}")
+    entitle(figure, result, f"every {interval:.3g} s {span}")
     return figure
 
 
