@@ -31,6 +31,7 @@ def plot(
         list[str] | None,
         Parameter(
             consume_multiple=True,
+            negative=(),
             help="For series and spectrum: variables such as x_c, theta or theta[3]; all outputs by default.",
         ),
     ] = None,
