@@ -15,6 +15,7 @@ from .errors import (
     CouplingError,
     FmuError,
     OptionError,
+    ResultError,
     RunError,
     SceneError,
     UserError,
@@ -25,6 +26,8 @@ from .fmu.archive import build_fmu
 from .fmu.twin import build_twin
 from .fmu.vessel import build_vessel
 from .fmu.waves import build_waves
+from .plot import draw
+from .reading import open_result
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .statics import Equilibrium, Modes, end_stiffness, equilibrium, modes
@@ -39,6 +42,7 @@ __all__ = [
     "FmuError",
     "Modes",
     "OptionError",
+    "ResultError",
     "RunError",
     "Scene",
     "SceneError",
@@ -53,11 +57,13 @@ __all__ = [
     "build_vessel",
     "build_waves",
     "couple",
+    "draw",
     "end_stiffness",
     "equilibrium",
     "load_coupling",
     "load_scene",
     "modes",
+    "open_result",
     "shipped_couplings",
     "shipped_scenes",
     "simulate",

@@ -10,7 +10,7 @@ import numpy as np
 from .coupling.schema import ALGORITHMS
 from .coupling_report import CoupledRow, CouplingReport
 from .coupling_report_tables import ORDER_NAMES
-from .plot import need_matplotlib
+from .plot_style import COLORS, style
 from .report_figures import log_axes, prepare_log_axes, svg
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["coupling_figures", "orders_figure"]
 
-_COLORS = dict(zip(ALGORITHMS, ("#d1495b", "#0b6fb8", "#2e8b57"), strict=True))
+_COLORS = dict(zip(ALGORITHMS, (COLORS[1], COLORS[0], COLORS[2]), strict=True))
 _STYLES = (":o", "--s", "-^")
 """By the order of inputs."""
 _ZERO = 1e-16
@@ -37,15 +37,15 @@ def coupling_figures(report: CouplingReport) -> list[str]:
     OptionError
         If matplotlib is not installed.
     """
-    need_matplotlib()
-    over_step, axes = log_axes("Error over communication step", _STEP, _LATER)
-    _add_constant(axes, report, _step, _later)
-    _finish(axes, report)
-    over_price, axes = log_axes("Error over CPU time", "CPU time [s]", "position error [m]")
-    _add_constant(axes, report, _cpu_time, _position)
-    _add_adaptive(axes, report)
-    _finish(axes, report)
-    return [svg(figure, f"c{k}-") for k, figure in enumerate((over_step, over_price))]
+    with style():
+        over_step, axes = log_axes("Error over communication step", _STEP, _LATER)
+        _add_constant(axes, report, _step, _later)
+        _finish(axes, report)
+        over_price, axes = log_axes("Error over CPU time", "CPU time [s]", "position error [m]")
+        _add_constant(axes, report, _cpu_time, _position)
+        _add_adaptive(axes, report)
+        _finish(axes, report)
+        return [svg(figure, f"c{k}-") for k, figure in enumerate((over_step, over_price))]
 
 
 def orders_figure(reports: Sequence[CouplingReport]) -> str:
@@ -56,20 +56,20 @@ def orders_figure(reports: Sequence[CouplingReport]) -> str:
     OptionError
         If matplotlib is not installed.
     """
-    need_matplotlib()
-    from matplotlib.figure import Figure
+    with style():
+        from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(4.8 * len(reports), 5.0), layout="constrained")
-    panels = figure.subplots(1, len(reports), squeeze=False)[0]
-    labelled: dict[str, Line2D] = {}
-    for axes, report in zip(panels, reports, strict=True):
-        prepare_log_axes(axes, report.coupling.name, _STEP, _LATER if axes is panels[0] else "")
-        _add_constant(axes, report, _step, _later)
-        labelled |= {str(line.get_label()): line for line in axes.get_lines()}
-        _add_slopes(axes, report)
-    handles, labels = list(labelled.values()), list(labelled)
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize="x-small")
-    return svg(figure, "o-")
+        figure = Figure(figsize=(4.8 * len(reports), 5.0), layout="constrained")
+        panels = figure.subplots(1, len(reports), squeeze=False)[0]
+        labelled: dict[str, Line2D] = {}
+        for axes, report in zip(panels, reports, strict=True):
+            prepare_log_axes(axes, report.coupling.name, _STEP, _LATER if axes is panels[0] else "")
+            _add_constant(axes, report, _step, _later)
+            labelled |= {str(line.get_label()): line for line in axes.get_lines()}
+            _add_slopes(axes, report)
+        handles, labels = list(labelled.values()), list(labelled)
+        figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize="x-small")
+        return svg(figure, "o-")
 
 
 def _step(row: CoupledRow) -> float:
@@ -91,13 +91,13 @@ def _position(row: CoupledRow) -> float:
 def _add_constant(axes: Axes, report: CouplingReport, across: Number, up: Number) -> None:
     """A line for every algorithm and order of inputs that has a stable step."""
     for algorithm, color in _COLORS.items():
-        for extrapolation, style in enumerate(_STYLES):
+        for extrapolation, marks in enumerate(_STYLES):
             family = [row for row in report.rows if (row.algorithm, row.extrapolation) == (algorithm, extrapolation)]
             points = [(across(row), up(row)) for row in family if row.is_stable and not row.adaptive]
             label = f"{algorithm}, {ORDER_NAMES[extrapolation]}"
             if points:
                 name = f"{report.coupling.name}-{algorithm}-{extrapolation}"
-                (line,) = axes.plot(*zip(*points, strict=True), style, color=color, markersize=4, linewidth=1.2)
+                (line,) = axes.plot(*zip(*points, strict=True), marks, color=color, markersize=4, linewidth=1.2)
                 line.set(label=label, gid=name)
 
 

@@ -8,6 +8,7 @@
     │   ├── OptionError  a command-line option or an argument of the Python API
     │   ├── FmuError     an archive that is not one of ours, or is damaged
     │   ├── CouplingError  something in a coupling file, or between the models that it couples
+    │   ├── ResultError  a file that was given as results and is none, or is damaged
     │   ├── StateError   a saved state that is none, is damaged, or is of another run
     │   ├── VesselError  something in a vessel's table (or in a file that it names)
     │   └── WavesError   something in a sea's table
@@ -23,6 +24,7 @@ __all__ = [
     "CouplingError",
     "FmuError",
     "OptionError",
+    "ResultError",
     "RunError",
     "SceneError",
     "StateError",
@@ -58,6 +60,10 @@ class OptionError(UserError):
 
 class FmuError(UserError):
     """A file that was given as an FMU and cannot be used as one."""
+
+
+class ResultError(UserError):
+    """A file that was given as the results of a run and cannot be read as such."""
 
 
 class StateError(UserError):
