@@ -59,7 +59,11 @@ def test_names_and_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
     def asked(*words: str) -> list[str]:
         with pytest.raises(SystemExit, match="0"):
             main(["__complete", *words])
-        return [line.partition("\t")[0] for line in capsys.readouterr().out.splitlines() if line.strip() and line[0] != "\x1f"]
+        return [
+            line.partition("\t")[0]
+            for line in capsys.readouterr().out.splitlines()
+            if line.strip() and line[0] != "\x1f"
+        ]
 
     (run,) = press_tab(["cablefmu run free"], tmp_path)  # by bash, which calls the program
     scenes, couple = asked("scenes", "free"), asked("couple", "moored")

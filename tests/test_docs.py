@@ -1,4 +1,4 @@
-"""What docs/*.md and comments in the source point to is there: files, tests, sections, links."""
+"""What the README, docs/ and comments in the source point to is there: files, tests, sections, links."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = sorted((ROOT / "docs").glob("*.md"))
+PAGES = [ROOT / "README.md", *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page.parent.name != "site")]
+"""Those of docs/site point to pages that are generated; `python -m docs.site` checks them."""
 
 FOLDERS = ("fmu_src/", "models/", "tests/", "docs/")
 """Where named files must exist; what is in build/ is generated."""
@@ -54,7 +55,7 @@ def missing(text: str, page: Path) -> Iterator[str]:
             yield f"{name}#{section}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_what_a_page_names_exists(page: Path) -> None:
     assert list(missing(page.read_text("utf-8"), page)) == []
 
