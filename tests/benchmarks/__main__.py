@@ -1,5 +1,7 @@
 """`python -m tests.benchmarks [PYTHON]`: measure, print tables, write build/benchmarks.json and docs/benchmarks.json.
 
+The documentation's page is made of the latter; with peers the README's figures are as well.
+
 PYTHON is an interpreter that has the peers: `pip install mujoco pin dartpy moordyn scipy` in an environment of its own.
 """
 
@@ -14,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.benchmarks import automatic, overhead, rhs, stiff, table_6_6, work_precision
+from tests.benchmarks import automatic, overhead, readme, rhs, stiff, table_6_6, work_precision
 from tests.benchmarks.tables import tables
 
 LINKS = 120
@@ -81,6 +83,8 @@ def main() -> None:
     ):  # the second is kept, for the documentation
         Path(path).write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     print(tables(results))
+    if "peers" in results:
+        readme.main()
 
 
 if __name__ == "__main__":
