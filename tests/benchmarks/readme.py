@@ -73,10 +73,11 @@ def _per_link(results: dict[str, Any]) -> str:
         [f"{of[links, variant]['ns_per_link']:.1f}" for links in (120, 1000, 10000)] for variant in ("AVX2", "portable")
     )
     row = of[120, "AVX2"]
+    ratio = row["ns_per_link"] / row["core_ns_per_link"]
     return (
         f"With water, joint springs and dampers a right-hand side takes {fast[0]} ns per link at 120 links,\n"
         f"{fast[1]} at 1,000 and {fast[2]} at 10,000 ({', '.join(plain[:2])} and {plain[2]} without AVX2).\n"
-        f"At 120 links that is {row['ns_per_link'] / row['core_ns_per_link']:.2f} times what its sines and its elimination take alone."
+        f"At 120 links that is {ratio:.2f} times what its sines and its elimination take alone."
     )
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from docs.site import __main__ as site
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_pages_are_gathered_with_those_that_are_generated(tmp_path: Path) -> None:
@@ -39,3 +43,28 @@ def test_status(
     assert site.main(tmp_path) == expected
     assert {"-W", "--keep-going"} <= set(asked)
     assert capsys.readouterr().err == "".join(f"{line}\n" for line in broken)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("text", "status", "told"),
+    [
+        ("[there](#x)", 0, ""),
+        ("[gone](gone.md)", 1, "gone"),
+        ("[gone](#gone)", 1, "gone"),
+        ('<a href="http://fmi-standard.org">x</a>', 1, "https:// with a host is expected"),
+        ("```{nothing}\n```", 1, "nothing"),
+    ],
+)
+def test_what_sphinx_or_the_links_complain_of_ends_it(text: str, status: int, told: str, tmp_path: Path) -> None:
+    """In a process of its own, as Sphinx leaves its marks in one."""
+    source = tmp_path / "source"
+    source.mkdir()
+    (source / "index.md").write_text(f"# x\n\n{text}\n")
+    script = (
+        "import sys; from pathlib import Path; from docs.site import __main__ as site; site.gather = lambda _: None; "
+        f"sys.exit(site.main(Path({str(tmp_path)!r})))"
+    )
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, told in done.stderr) == (status, True), done.stderr
