@@ -1,5 +1,7 @@
 """How Sphinx makes the pages."""
 
+from sphinx.application import Sphinx
+
 from cablefmu import __version__
 
 project = "cablefmu"
@@ -25,3 +27,14 @@ html_theme = "furo"  # readable on phones, light and dark, without a build step 
 html_title = f"cablefmu {version}"
 html_show_sourcelink = False
 html_copy_source = False
+
+
+def _whole_sentences(_app: Sphinx, what: str, _name: str, _of: object, _options: object, lines: list[str]) -> None:
+    """Undo what napoleon makes of an attribute's "words: more words", which it takes for a type and a text."""
+    types = [k for k, line in enumerate(lines) if line.startswith(":type: ")] if what == "attribute" else []
+    for k in reversed(types):
+        lines[0] = f"{lines.pop(k).removeprefix(':type: ')}: {lines[0]}"
+
+
+def setup(app: Sphinx) -> None:
+    app.connect("autodoc-process-docstring", _whole_sentences, priority=900)  # after napoleon
