@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from docs.site.links import is_address
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page.parent.name != "site")]
@@ -19,6 +20,7 @@ FOLDERS = ("fmu_src/", "models/", "tests/", "docs/")
 _FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 _CODE = re.compile(r"`([^`\n]+)`")
 _LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)#?([^)\s]*)\)")
+_ADDRESS = re.compile(r"\]\((\w+://[^)]*)\)")
 _HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 _TEST = re.compile(r"^ *def (test_\w+)\(", re.MULTILINE)
 _TO_SECTION = re.compile(r"docs/(\w+\.md), (?:section )?\"([^\"\n]+)\"")
@@ -58,6 +60,12 @@ def missing(text: str, page: Path) -> Iterator[str]:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_what_a_page_names_exists(page: Path) -> None:
     assert list(missing(page.read_text("utf-8"), page)) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_addresses_elsewhere_have_a_form(page: Path) -> None:
+    """Whether somebody answers there is not asked: checks run without a network."""
+    assert [link for link in _ADDRESS.findall(page.read_text("utf-8")) if not is_address(link)] == []
 
 
 @pytest.mark.parametrize(

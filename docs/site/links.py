@@ -12,7 +12,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-__all__ = ["broken_links"]
+__all__ = ["broken_links", "is_address"]
 
 
 class _Page(HTMLParser):
@@ -53,7 +53,7 @@ def _broken(path: Path) -> Iterator[tuple[str, str]]:
         if parts.scheme == "data":
             continue
         if parts.scheme or parts.netloc:
-            if not _is_address(link):
+            if not is_address(link):
                 yield link, "https:// with a host is expected"
             continue
         target = path.parent / unquote(parts.path) if parts.path else path
@@ -65,7 +65,8 @@ def _broken(path: Path) -> Iterator[tuple[str, str]]:
             yield link, "no such anchor"
 
 
-def _is_address(link: str) -> bool:
+def is_address(link: str) -> bool:
+    """Whether an address elsewhere has the form of one: encrypted, with a host and nothing that must be encoded."""
     parts = urlsplit(link)
     host = parts.hostname or ""
     return parts.scheme == "https" and "." in host.strip(".") and not set(link) & set(" <>\"'{}|\\^`")
