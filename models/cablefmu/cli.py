@@ -13,9 +13,11 @@ from typing import Annotated, Literal
 from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
+from .completion import COUPLING_NAME, COUPLING_OR_FILE, SCENE_NAME, SCENE_OR_COUPLING, SCENE_OR_FILE, SCENE_OR_FMU
 from .couple_command import couple_and_show, export_coupling
 from .coupling.description import load_coupling, shipped_couplings
 from .coupling_report_command import names_coupling, write_coupling_reports
+from .doctor_command import doctor
 from .errors import CableError, OptionError, RunError
 from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
@@ -45,11 +47,15 @@ app = App(
     help_format="plaintext",
 )
 
-SceneName = Annotated[str, Parameter(help="A shipped scene's name (see `cablefmu scenes`) or the path of a TOML file.")]
+app.register_install_completion_command(help="Have the shell complete commands, options and names behind TAB.")
+
+SceneName = Annotated[
+    str, Parameter(help="A shipped scene's name (see `cablefmu scenes`) or the path of a TOML file."), SCENE_OR_FILE
+]
 
 
 @app.command
-def scenes(name: str | None = None, /) -> None:
+def scenes(name: Annotated[str | None, SCENE_NAME] = None, /) -> None:
     """List the scenes that ship; with NAME print that scene's TOML, ready to edit."""
     if name is not None:
         sys.stdout.write(load_scene(name).text)
@@ -99,7 +105,9 @@ def build(
 
 @app.command
 def run(
-    scene: Annotated[str, Parameter(help="A shipped scene's name, a TOML file, or an FMU from `cablefmu build`.")],
+    scene: Annotated[
+        str, Parameter(help="A shipped scene's name, a TOML file, or an FMU from `cablefmu build`."), SCENE_OR_FMU
+    ],
     /,
     *,
     fmi: Annotated[Literal[2, 3] | None, Parameter(help="Version of FMI; 2 unless an FMU or a state is given.")] = None,
@@ -193,7 +201,7 @@ def run(
 
 @app.command
 def report(
-    *names: Annotated[str, Parameter(help="Scenes, shipped or TOML files; or couplings, likewise.")],
+    *names: Annotated[str, Parameter(help="Scenes, shipped or TOML files; or couplings, likewise."), SCENE_OR_COUPLING],
     all_: Annotated[bool, Parameter(name="--all", negative=(), help="All scenes that ship.")] = False,
     output: Annotated[
         Path, Parameter(name=["--output", "-o"], help="Folder for NAME.report.html, .json and .csv.")
@@ -222,7 +230,7 @@ def report(
 
 
 @app.command
-def couplings(name: str | None = None, /) -> None:
+def couplings(name: Annotated[str | None, COUPLING_NAME] = None, /) -> None:
     """List the couplings that ship; with NAME print that coupling's TOML, ready to edit."""
     if name is not None:
         sys.stdout.write(load_coupling(name).text)
@@ -233,7 +241,9 @@ def couplings(name: str | None = None, /) -> None:
 
 @app.command
 def couple(
-    coupling: Annotated[str, Parameter(help="A shipped coupling's name (see `cablefmu couplings`) or a TOML file.")],
+    coupling: Annotated[
+        str, Parameter(help="A shipped coupling's name (see `cablefmu couplings`) or a TOML file."), COUPLING_OR_FILE
+    ],
     /,
     *,
     engine: Annotated[
@@ -263,6 +273,7 @@ def couple(
 app.command(stress)
 app.command(plot)
 app.command(gallery)
+app.command(doctor)
 
 
 def _archive_for(scene: str, fmi: int | None, saved_fmi: int | None) -> tuple[Path, Scene]:
