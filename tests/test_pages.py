@@ -37,6 +37,11 @@ def test_a_page_is_whole_and_its_words_are_escaped() -> None:
     assert not {"script", "link", "img"} & {tag for tag, _ in reader.tags}
 
 
+def test_what_is_for_the_head_is_there() -> None:
+    page = html_page("", [], style="", made_with="", head=['<meta name="a">', '<meta name="b">'])
+    assert '<meta name="a">\n<meta name="b">\n' in page.partition("</head>")[0]
+
+
 def test_every_colour_of_the_light_page_has_its_dark_one() -> None:
     style = html_page("", [], style="", made_with="").partition("<style>")[2]
     light, dark = style.split("@media")[:2]

@@ -33,6 +33,7 @@ from .simulate import simulate
 from .statics import Equilibrium, Modes, end_stiffness, equilibrium, modes
 from .vessel import Vessel
 from .waves import Waves
+from .view import write_view
 
 __all__ = [
     "CableError",
@@ -67,4 +68,5 @@ __all__ = [
     "shipped_couplings",
     "shipped_scenes",
     "simulate",
+    "write_view",
 ]

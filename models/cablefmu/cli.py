@@ -37,6 +37,7 @@ from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .stress import stress
 from .summary import print_summary
+from .view_command import view
 
 __all__ = ["app", "main"]
 
@@ -274,6 +275,7 @@ app.command(stress)
 app.command(plot)
 app.command(gallery)
 app.command(doctor)
+app.command(view)
 
 
 def _archive_for(scene: str, fmi: int | None, saved_fmi: int | None) -> tuple[Path, Scene]:

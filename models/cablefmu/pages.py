@@ -23,7 +23,7 @@ th { font-weight: 600; vertical-align: bottom; }
 """
 
 
-def html_page(title: str, body: Sequence[str], *, style: str, made_with: str) -> str:
+def html_page(title: str, body: Sequence[str], *, style: str, made_with: str, head: Sequence[str] = ()) -> str:
     """The whole file.
 
     Parameters
@@ -36,14 +36,17 @@ def html_page(title: str, body: Sequence[str], *, style: str, made_with: str) ->
         CSS beside what all pages have; colours are --ink, --faint, --line, --ground and --bad.
     made_with
         Versions and machine, plain text.
+    head
+        Further elements of HTML for the page's head.
     """
     content = "\n".join(body)
+    further = "".join(f"{element}\n" for element in head)
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{escape(title)}</title>
+{further}<title>{escape(title)}</title>
 <style>{_STYLE}{style}</style>
 </head>
 <body>

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["COLORS", "along_cable", "entitle", "labelled", "need_matplotlib", "new_figure", "sequence", "style"]
+__all__ = ["COLORS", "MAP", "along_cable", "entitle", "labelled", "need_matplotlib", "new_figure", "sequence", "style"]
 
 COLORS = ("#0b6fb8", "#d1495b", "#2e8b57", "#8a6d3b", "#7d5ba6", "#e08e2b", "#7a8794")
 """Of lines that are told apart by a legend, in this order."""
