@@ -32,8 +32,8 @@ from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .statics import Equilibrium, Modes, end_stiffness, equilibrium, modes
 from .vessel import Vessel
-from .waves import Waves
 from .view import write_view
+from .waves import Waves
 
 __all__ = [
     "CableError",
