@@ -22,7 +22,7 @@ import capytaine as cpt
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from bodies import DENSITY, HULLS, Hull
+from hulls import DENSITY, HULLS, Hull
 from capytaine.bem.airy_waves import froude_krylov_force
 
 DATA = Path(__file__).resolve().parents[2] / "models" / "cablefmu" / "hydrodynamics" / "data"
