@@ -6,8 +6,8 @@
 Each becomes a NetCDF file in models/cablefmu/hydrodynamics/data. Capytaine (GPL) is needed here alone: nothing of it is
 in the package or in an FMU. Surge and heave in deep water; pitch is held. Results of the three meshes of a hull
 converge with the first power of the size of their panels, because of the edges; what is stored is extrapolated from the
-two finer ones, with the largest difference from the extrapolation of the two coarser ones as its error. A lid on the
-water inside the hull removes irregular frequencies.
+two finer ones, with the largest difference from the extrapolation of the two coarser ones as its error. Irregular
+frequencies are removed by a lid on the water inside the hull, or lie above the band: a lid disturbs the barge's surge.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ import capytaine as cpt
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from hulls import DENSITY, HULLS, Hull
 from capytaine.bem.airy_waves import froude_krylov_force
+from hulls import DENSITY, HULLS, Hull
 
 DATA = Path(__file__).resolve().parents[2] / "models" / "cablefmu" / "hydrodynamics" / "data"
 GRAVITY = 9.81
@@ -36,12 +36,13 @@ DOWN = np.array([1.0, -1.0])
 Arrays = dict[str, npt.NDArray[Any]]
 
 
-def solved(mesh: cpt.Mesh, omega: npt.NDArray[np.float64], lid_size: float) -> Arrays:
+def solved(mesh: cpt.Mesh, omega: npt.NDArray[np.float64], lid_size: float | None) -> Arrays:
     """Added mass A and damping B (k, 2, 2), excitation X (k, 2) and A at infinite frequency (2, 2) of one mesh.
 
     X is complex: F(t) = Re(X a e^(j omega t)) in waves of elevation a cos(omega t - k x), x right, y down.
     """
-    body = cpt.FloatingBody(mesh=mesh, lid_mesh=mesh.generate_lid(faces_max_radius=lid_size))
+    lid = None if lid_size is None else mesh.generate_lid(faces_max_radius=lid_size)
+    body = cpt.FloatingBody(mesh=mesh, lid_mesh=lid)
     for mode in MODES:
         body.add_translation_dof(name=mode)
     sea = {"body": body, "rho": DENSITY, "g": GRAVITY, "water_depth": np.inf}
@@ -62,11 +63,11 @@ def solved(mesh: cpt.Mesh, omega: npt.NDArray[np.float64], lid_size: float) -> A
         # Capytaine's e^(-j omega t) becomes our e^(j omega t).
         return DOWN * np.conj([result.forces[mode] + pressed[mode] for mode in MODES])
 
-    both = [radiated(w) for w in omega.tolist()]
+    mass, damping, excitation = zip(*((*radiated(w), excited(w)) for w in omega.tolist()), strict=True)
     return {
-        "added_mass": np.array([mass for mass, _ in both]),
-        "radiation_damping": np.array([damping for _, damping in both]),
-        "excitation": np.array([excited(w) for w in omega.tolist()]),
+        "added_mass": np.array(mass),
+        "radiation_damping": np.array(damping),
+        "excitation": np.array(excitation),
         "added_mass_at_infinity": radiated(np.inf)[0],
     }
 
@@ -79,10 +80,8 @@ def extrapolated(coarse: Arrays, fine: Arrays, ratio: float) -> Arrays:
 def converged(hull: Hull, omega: npt.NDArray[np.float64]) -> tuple[Arrays, float]:
     """Extrapolated results, and their error as a part of each curve's largest value."""
     n = hull.fineness
-    results = [solved(hull.mesh(k), omega, hull.lid / k) for k in n]
-    earlier, later = (
-        extrapolated(results[i], results[i + 1], n[i + 1] / n[i]) for i in (0, 1)
-    )  # fmt: skip
+    results = [solved(hull.mesh(k), omega, hull.lid and hull.lid / k) for k in n]
+    earlier, later = (extrapolated(results[i], results[i + 1], n[i + 1] / n[i]) for i in (0, 1))
     diagonal = [(name, i) for name in later for i in range(2)]
 
     def curve(arrays: Arrays, name: str, i: int) -> npt.NDArray[Any]:
@@ -146,7 +145,7 @@ def dataset(name: str, hull: Hull) -> xr.Dataset:
         "panels": panels,
         "mesh_error": error,
         "mesh_error_is": "largest change of any curve from one extrapolation to the next, of its largest value",
-        "irregular_frequencies": "removed by a lid",
+        "irregular_frequencies": "removed by a lid" if hull.lid else "above the band",
         "source": f"Capytaine {version('capytaine')}, numpy {version('numpy')}, xarray {version('xarray')}",
     }
     return made

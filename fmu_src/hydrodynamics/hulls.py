@@ -23,8 +23,8 @@ class Hull:
     """Of the wetted hull; the size of its panels falls with 1/n."""
     fineness: tuple[int, int, int]
     """The three n of a computation, rising."""
-    lid: float
-    """Size of the panels of the lid, times n [m]."""
+    lid: float | None
+    """Size of the panels of the lid, times n [m]; None where all irregular frequencies lie above the band."""
     draft: float
     """[m]"""
     waterplane: float
@@ -77,10 +77,10 @@ def hemisphere(radius: float) -> Callable[[int], cpt.Mesh]:
 
 
 def box(length: float, width: float, draft: float) -> Callable[[int], cpt.Mesh]:
-    """Meshes of a box, its length along the waves."""
+    """Meshes of a box, its length along the waves, with n/2 panels to the metre."""
 
     def mesh(n: int) -> cpt.Mesh:
-        resolution = tuple(max(2, round(n * size)) for size in (length, width, draft))
+        resolution = tuple(max(2, round(0.5 * n * size)) for size in (length, width, draft))
         return cpt.mesh_parallelepiped(
             size=(length, width, draft), center=(0.0, 0.0, -0.5 * draft), resolution=resolution, missing_sides={"top"}
         )
@@ -101,8 +101,8 @@ def _buoy() -> Hull:
 def _barge() -> Hull:
     length, width, draft = 16.0, 10.0, 2.0
     return Hull(
-        f"box, {length} m along the waves, {width} m wide, draft {draft} m", box(length, width, draft), (1, 2, 3),
-        0.7, draft, length * width, length * width * draft, np.arange(1, 45) * 0.05, (2.0, 5.0, 8.0),
+        f"box, {length} m along the waves, {width} m wide, draft {draft} m", box(length, width, draft), (2, 3, 4),
+        None, draft, length * width, length * width * draft, np.arange(1, 43) * 0.05, (2.0, 5.0, 8.0),
     )  # fmt: skip
 
 

@@ -76,7 +76,7 @@ def expected(body: Hydrodynamics, axis: int, omega: float, spring: float, damper
 
 @pytest.mark.parametrize("period", [3.0, 3.5, 4.5, 6.0, 9.0, 15.0])
 def test_response_of_the_buoy_in_regular_waves_is_that_of_the_coefficients(buoy: Path, period: float) -> None:
-    """Within 2 % of heave and surge themselves, the phase included, from next to the resonance of heave (2.9 s) on."""
+    """Within 2 % of heave and surge themselves, the phase included, from next to the resonance of heave (2.8 s) on."""
     body, omega = shipped("buoy"), 2.0 * np.pi / period
     step = period / 30.0
     count = int(60.0 / step) + 90

@@ -2,8 +2,9 @@
 
 The force answers to an elevation before it is there: waves reach the near side of a body first, and hydrodynamic
 pressure runs ahead. No causal filter of the elevation at one place makes it; of the elevations at several places fore
-and aft one does, whatever way the waves travel. What very long waves do is known without coefficients, and is met. A body that is alike fore and aft is pushed along x by the differences
-of elevations at -a and a alone, and along y by their sums. All filters share their oscillators.
+and aft one does, whatever way the waves travel. What very long waves do is known without coefficients, and is met. A
+body that is alike fore and aft is pushed along x by the differences of elevations at -a and a alone, and along y by
+their sums. All filters share their oscillators.
 """
 
 from __future__ import annotations
@@ -116,7 +117,8 @@ class _Task:
         wavenumber = np.append(0.0, body.wavenumber)
         signals, size = signals_of(points, axis), float(np.max(np.abs(target)))
         arriving = np.exp(-1j * wavenumber[:, None] * points) @ signals.T
-        return cls(np.append(0.0, body.omega), arriving, signals, target / (size or 1.0), size)
+        target = np.asarray(target / (size or 1.0), dtype=complex)
+        return cls(np.append(0.0, body.omega), np.asarray(arriving, dtype=complex), signals, target, size)
 
     def gains(self, p: Floats) -> tuple[Floats, Floats]:
         """Best gains, shape (2 m s,), with these oscillators, and what is missed with them."""
