@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Iterator
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -15,70 +18,22 @@ from cablefmu.coupling.description import Coupling
 from cablefmu.coupling.extrapolation import through
 from cablefmu.coupling.partners import make_partner
 from cablefmu.coupling.run import run_system
-from cablefmu.coupling.system import opened, varied
+from cablefmu.coupling.schema import AdaptiveSpec
+from cablefmu.coupling.system import System, opened, varied
 from cablefmu.coupling_report import CouplingReport, make_coupling_report
 from cablefmu.coupling_report_command import names_coupling
-from cablefmu.coupling_report_files import write_coupling_report
-from cablefmu.coupling_report_tables import coupling_sheets
+from cablefmu.coupling_report_files import write_coupling_report, write_orders
+from cablefmu.coupling_report_tables import ORDER_NAMES, coupling_sheets
 from cablefmu.coupling_report_truth import Truth, find_truth
 from cablefmu.coupling_report_whole import NotOneError, whole_scene
 from cablefmu.errors import OptionError, RunError
 from cablefmu.reference import Reference
 from cablefmu.scene import load_scene
 from cablefmu.vessel import BodyTable, Vessel
+from tests.coupling.ships import NAMES, STOP, small
 
-SCENE = """
-format = 1
-description = "6 links with a load under a ship"
-[cable]
-links = 6
-length = "30 m"
-diameter = "20 mm"
-density = "7850 kg/m^3"
-young_modulus = "80 GPa"
-joint_damping = "2.8 N m s/rad"
-[water]
-Cd = 1.0
-[top]
-kind = "motion"
-[terminal]
-kind = "load"
-mass = "50 kg"
-density = "7850 kg/m^3"
-[shape]
-kind = "hanging"
-[run]
-stop_time = "2.4 s"
-"""
-
-STOP = 2.4
 GOOD = 1e-8
 """Of the FMU of the whole at 1e-10 against either dense integration [m]; measured: below 1e-9."""
-
-
-def small(folder: Path, *, mass: float = 4000.0) -> Coupling:
-    """A vessel and a cable of 6 links and 124 kg with its load; the vessel's periods are about 3 s."""
-    (folder / "ship.toml").write_text(SCENE, encoding="utf-8")
-    text = load_coupling("moored-vessel").text
-    body = f"""kind = "body"
-m_x = {mass}
-m_y = {mass}
-k_x = {4.0 * (mass + 100.0)}
-k_y = {5.0 * (mass + 100.0)}
-c_x = {0.2 * mass}
-c_y = {0.3 * mass}
-x_0 = 1.0
-y_0 = -0.5
-vx_0 = 0.2
-static_load_y = 900.0
-external_x = 50.0"""
-    head, _, rest = text.partition("[model.vessel]")
-    tail = rest[rest.index("[[model]]") :]
-    text = f"{head}[model.vessel]\n{body}\n\n{tail}"
-    for old, new in (("towed-40", "ship.toml"), ('"16 s"', str(STOP))):
-        assert old in text
-        text = text.replace(old, new)
-    return Coupling.from_text(text, name="small", folder=folder)
 
 
 def mass_outside(coupling: Coupling, times: Floats) -> Floats:
@@ -114,9 +69,6 @@ def mass_outside(coupling: Coupling, times: Floats) -> Floats:
     return np.column_stack([states[:, 2 * n : 2 * n + 2], [(end["x_c"], end["y_c"]) for end in ends]])
 
 
-NAMES = ("vessel.x", "vessel.y", "cable.x_c", "cable.y_c")
-
-
 @pytest.mark.parametrize("mass", [4000.0, 40.0])
 def test_mass_inside_is_mass_outside(mass: float, tmp_path: Path) -> None:
     coupling = small(tmp_path, mass=mass)
@@ -129,17 +81,18 @@ def test_mass_inside_is_mass_outside(mass: float, tmp_path: Path) -> None:
     assert found == pytest.approx(mass_outside(coupling, times), abs=GOOD)
 
 
-def largest(coupling: Coupling, truth: Truth, **settings: object) -> float:
-    """Error of a run after the first 10 % [m]."""
+def largest(coupling: Coupling, truth: Truth, *, since: float = 0.1 * STOP, **settings: object) -> float:
+    """Error of a run from a time on, by default after the first 10 % [m]."""
     with opened(coupling) as system:
         result = run_system(varied(system, **settings))
-    right, late = truth.at(result["time"].values), result["time"].values >= 0.1 * STOP
+    right, late = truth.at(result["time"].values), result["time"].values >= since
     return max(float(np.abs(result[name].values - right[name])[late].max()) for name in NAMES)
 
 
 @pytest.mark.parametrize(
     ("algorithm", "extrapolation", "order"),
-    [("jacobi", 0, 1), ("jacobi", 1, 2), ("gauss-seidel", 0, 1), ("gauss-seidel", 1, 2),
+    [("jacobi", 0, 1), ("jacobi", 1, 2), ("jacobi", 2, 3),
+     ("gauss-seidel", 0, 1), ("gauss-seidel", 1, 2), ("gauss-seidel", 2, 3),
      ("iterated", 0, 1), ("iterated", 1, 2), ("iterated", 2, 3)],
 )  # fmt: skip
 def test_coupled_runs_tend_to_the_whole(algorithm: str, extrapolation: int, order: int, tmp_path: Path) -> None:
@@ -152,6 +105,56 @@ def test_coupled_runs_tend_to_the_whole(algorithm: str, extrapolation: int, orde
     observed = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert observed == pytest.approx([order] * 2, abs=0.35), errors
     assert errors[-1] > 10.0 * truth.good_to  # what was measured is the coupling
+
+
+@pytest.mark.parametrize(("starts_iterated", "order"), [(True, 3.0), (False, 2.0)])
+def test_the_order_of_quadratic_inputs_is_decided_by_the_first_steps(
+    starts_iterated: bool, order: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Over the whole run: iterated, they err as all others do; with too few samples by the step squared."""
+    coupling = small(tmp_path)
+    with opened(coupling) as system:
+        truth = find_truth(system)
+        assert [varied(system, extrapolation=order).starts_iterated for order in (0, 2)] == [False, True]
+    if not starts_iterated:
+        monkeypatch.setattr(System, "starts_iterated", False)
+    errors = [
+        largest(coupling, truth, since=0.0, algorithm="jacobi", extrapolation=2, step=h) for h in (0.05, 0.025, 0.0125)
+    ]
+    assert np.log2(np.array(errors[:-1]) / np.array(errors[1:])) == pytest.approx([order] * 2, abs=0.1), errors
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+def test_quadratic_inputs_are_of_third_order_for_the_moored_vessel(
+    algorithm: str, moored: tuple[System, Truth]
+) -> None:
+    """From the start, with steps that resolve what the cable's force does in the first tenths of a second."""
+    system, truth = moored
+    errors = []
+    for step in (0.0125, 0.00625):
+        result = run_system(varied(system, algorithm=algorithm, extrapolation=2, step=step))
+        right = truth.at(result["time"].values)
+        errors.append(max(float(np.abs(result[name].values - right[name]).max()) for name in NAMES))
+    assert np.log2(errors[0] / errors[1]) > 2.8, errors
+    assert errors[1] > 10.0 * truth.good_to
+
+
+@pytest.fixture(scope="module")
+def moored() -> Iterator[tuple[System, Truth]]:
+    """The first second of the coupling that ships."""
+    with opened(load_coupling("moored-vessel")) as system:
+        system = varied(system, stop_time=1.0)
+        yield system, find_truth(system)
+
+
+@pytest.mark.parametrize(("name", "algorithm"), [("moored-vessel", "jacobi"), ("light-vessel", "iterated")])
+def test_adaptive_steps_begin(name: str, algorithm: str) -> None:
+    """At a tolerance whose first steps, were they held, would be too wrong to go on from."""
+    with opened(load_coupling(name)) as system:
+        adaptive = AdaptiveSpec(tolerance=1e-4, smallest=0.1 / 256.0, largest=0.1)
+        settings = {"algorithm": algorithm, "extrapolation": 1, "adaptive": adaptive, "step": 0.1, "stop_time": 0.4}
+        result = run_system(varied(system, **settings))
+    assert result.attrs["longest_step"] > 4.0 * result.attrs["shortest_step"]
 
 
 def test_light_vessels_need_iteration(tmp_path: Path) -> None:
@@ -256,6 +259,46 @@ def test_files_and_names(light: CouplingReport, tmp_path: Path) -> None:
     (tmp_path / "one.toml").write_text(light.coupling.text, encoding="utf-8")
     assert names_coupling("light-vessel") and names_coupling(str(tmp_path / "one.toml"))
     assert not names_coupling("towed-40") and not names_coupling(str(tmp_path / "none.toml"))
+
+
+@pytest.mark.slow
+def test_orders_are_drawn_as_they_are(light: CouplingReport, tmp_path: Path) -> None:
+    """Every family that has a stable step, as steep beside the slope of 1 as its order; the same file every time."""
+    path = write_orders([light], tmp_path)
+    text = path.read_bytes()
+    assert write_orders([light], tmp_path).read_bytes() == text
+    slopes = dict(drawn_slopes(text, "o-small-"))
+    unit = slopes.pop("o-small-slope-1")
+    assert [slopes.pop(f"o-small-slope-{k}") / unit for k in (2, 3)] == pytest.approx([2.0, 3.0], rel=1e-4)
+    orders = {f"o-small-{f.algorithm}-{f.extrapolation}": f.order for f in light.families if f.longest_stable}
+    assert slopes.keys() == orders.keys() >= {"o-small-iterated-1", "o-small-iterated-2"}
+    for name in ("o-small-iterated-1", "o-small-iterated-2"):
+        assert slopes[name] / unit == pytest.approx(orders[name], rel=1e-3)
+
+
+def test_the_picture_in_the_docs_is_that_of_their_table() -> None:
+    """If not: `cablefmu report moored-vessel light-vessel`, and copy its picture and its orders."""
+    docs = Path(__file__).parents[1] / "docs"
+    slopes = dict(drawn_slopes((docs / "coupling-orders.svg").read_bytes(), "o-moored-vessel-"))
+    unit = slopes["o-moored-vessel-slope-1"]
+    rows = re.findall(
+        r"^\| ([a-z-]+), (held|linear|quadratic) \|.* (\S+) \|$", (docs / "coupling.md").read_text("utf-8"), re.M
+    )
+    assert len(rows) == 9
+    for algorithm, inputs, order in rows:
+        name = f"o-moored-vessel-{algorithm}-{ORDER_NAMES.index(inputs)}"
+        assert slopes[name] / unit == pytest.approx(float(order), abs=0.006)
+
+
+def drawn_slopes(text: bytes, prefix: str) -> Iterator[tuple[str, float]]:
+    """Of every line whose name begins so, down for across, fitted."""
+    for group in ElementTree.fromstring(text).iter("{http://www.w3.org/2000/svg}g"):
+        path = group.find("{http://www.w3.org/2000/svg}path")
+        if group.get("id", "").startswith(prefix) and path is not None:
+            points = re.findall(r"[ML] (\S+) (\S+)", path.attrib["d"])
+            if len(points) > 1:
+                across, down = np.array(points, dtype=float).T
+                yield group.attrib["id"], float(np.polyfit(across, down, 1)[0])
 
 
 @pytest.mark.parametrize(("accuracy", "limit"), [(0.0, 60.0), (float("nan"), 60.0), (1e-3, 0.0)])

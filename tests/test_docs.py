@@ -1,4 +1,4 @@
-"""What docs/*.md and comments in the source point to is there: files, tests, sections, links."""
+"""What the README, docs/ and comments in the source point to is there: files, tests, sections, links."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from docs.site.links import is_address
 
 ROOT = Path(__file__).parents[1]
-PAGES = sorted((ROOT / "docs").glob("*.md"))
+PAGES = [ROOT / "README.md", *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page.parent.name != "site")]
+"""Those of docs/site point to pages that are generated; `python -m docs.site` checks them."""
 
 FOLDERS = ("fmu_src/", "models/", "tests/", "docs/")
 """Where named files must exist; what is in build/ is generated."""
@@ -18,6 +20,7 @@ FOLDERS = ("fmu_src/", "models/", "tests/", "docs/")
 _FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 _CODE = re.compile(r"`([^`\n]+)`")
 _LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)#?([^)\s]*)\)")
+_ADDRESS = re.compile(r"\]\((\w+://[^)]*)\)")
 _HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 _TEST = re.compile(r"^ *def (test_\w+)\(", re.MULTILINE)
 _TO_SECTION = re.compile(r"docs/(\w+\.md), (?:section )?\"([^\"\n]+)\"")
@@ -54,9 +57,15 @@ def missing(text: str, page: Path) -> Iterator[str]:
             yield f"{name}#{section}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_what_a_page_names_exists(page: Path) -> None:
     assert list(missing(page.read_text("utf-8"), page)) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_addresses_elsewhere_have_a_form(page: Path) -> None:
+    """Whether somebody answers there is not asked: checks run without a network."""
+    assert [link for link in _ADDRESS.findall(page.read_text("utf-8")) if not is_address(link)] == []
 
 
 @pytest.mark.parametrize(

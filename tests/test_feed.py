@@ -7,7 +7,7 @@ import math
 import pytest
 
 from cablefmu.feed import Feed
-from cablefmu.signals import Constant, Sampled, Signal, Sine, Steps
+from cablefmu.signals import Constant, Derivative, Sampled, Signal, Sine, Spline, Steps
 
 
 def polynomial(signal: Signal, time: float, ahead: float) -> float:
@@ -39,6 +39,16 @@ def test_straight_forces_need_one_piece() -> None:
     for signal in (Constant(5.0), Steps((0.0, 9.0), (1.0, 2.0)), Sampled((0.0, 9.0), (-1e4, 1e4))):
         for time in (0.0, 1.0, 4.5):
             assert Feed({"F_cx": signal}).polynomial_reach(time, time + 0.1) == time + 0.1
+
+
+def test_a_spline_is_followed_in_one_piece_by_three_derivatives() -> None:
+    motion = Spline((0.0, 1.0, 2.0, 3.0), (0.0, 4.0, -1.0, 2.0))
+    feed = Feed({"x_1": motion, "vx_1": Derivative(motion, 1), "ax_1": Derivative(motion, 2)})
+    assert feed.polynomial_reach(1.0, 2.0) == 2.0
+    assert [len(derivatives) for derivatives in feed.derivatives(1.0)] == [3, 2, 1]
+    for signal in feed.signals.values():
+        # Up to the next sample it is the polynomial of its derivatives: rounding of numbers below 50.
+        assert polynomial(signal, 1.0, 0.9) == pytest.approx(signal(1.9), abs=1e-13)
 
 
 def test_a_step_may_be_as_short_as_time_resolves() -> None:

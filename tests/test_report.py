@@ -240,7 +240,7 @@ def test_a_mistake_is_refused_before_anything_is_run(
 def test_without_matplotlib_it_is_said_what_to_install(
     command: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cablefmu.plot.importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     status, _, err = command("short.toml")
     assert status == 2
     assert "pip install 'cablefmu[plot]'" in err

@@ -6,13 +6,14 @@ import csv
 import json
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
 
 from cablefmu.errors import OptionError
 from cablefmu.fmu.table import table
-from cablefmu.results import write_results
+from cablefmu.results import ORDER, write_results
 from cablefmu.simulate import simulate
 from tests.fmu_helpers import small_scene
 
@@ -64,13 +65,38 @@ def test_metadata_tell_how_it_was_made(result: xr.Dataset, tmp_path: Path) -> No
 
 def test_netcdf_comes_back(result: xr.Dataset, tmp_path: Path) -> None:
     write_results(result, tmp_path / "x.nc")
-    with xr.open_dataset(tmp_path / "x.nc", engine="scipy", decode_times=False) as back:
-        xr.testing.assert_identical(back.drop_attrs(deep=False), result.drop_attrs(deep=False))
+    with xr.open_dataset(tmp_path / "x.nc", engine="scipy") as back:  # its defaults must not take seconds for dates
+        numbers = {name: v.drop_attrs() for name, v in result.data_vars.items()}
+        xr.testing.assert_identical(
+            xr.Dataset({name: back[name].drop_attrs() for name in numbers}), xr.Dataset(numbers)
+        )
         assert back["theta"].dims == ("time", "link")
         assert back["link_length"].values.tolist() == [4.0] * 5
-        assert {k: v for k, v in back.attrs.items() if k != "set"} == {
-            k: v for k, v in result.attrs.items() if k != "set"
-        }
+        assert {key: value for key, value in back.attrs.items() if key != ORDER} == result.attrs
+
+
+def test_another_library_reads_it(result: xr.Dataset, tmp_path: Path) -> None:
+    """netCDF4, as MATLAB does, reads through the C library: kinds of numbers, dimensions, texts and units."""
+    write_results(result, tmp_path / "x.nc")
+    with netCDF4.Dataset(tmp_path / "x.nc") as file:
+        assert file.data_model == "NETCDF3_64BIT_OFFSET"
+        assert {name: len(d) for name, d in file.dimensions.items()} == {"time": 6, "link": 5}
+        assert set(file.variables) == {*map(str, result.variables)}
+        for name, variable in file.variables.items():
+            assert variable.dtype == (np.int32 if name == "link" else np.float64)
+            assert variable.dimensions == result[name].dims
+            assert "_FillValue" not in variable.ncattrs()
+            values = np.ma.getdata(variable[:])
+            np.testing.assert_array_equal(values, result[name].values)
+            assert variable.long_name == result[name].attrs["long_name"]
+        assert (file["tension_top"].units, file["theta"].units, file["time"].units) == ("N", "rad", "s")
+        assert file["theta"].coordinates == "link_length"
+        told = {key: file.getncattr(key) for key in file.ncattrs()}
+    assert told["scene"] == small_scene("load").text
+    assert {key: told[key] for key in ("fmi", "interface", "step", "set")} == {
+        "fmi": 2, "interface": "cs", "step": 0.1, "set": "m_c=61.5",
+    }  # fmt: skip
+    assert told.keys() == {*result.attrs, ORDER}
 
 
 def test_netcdf_of_a_run_with_nothing_set(tmp_path: Path) -> None:

@@ -50,6 +50,8 @@ def test_shipped_scenes_are_valid(name: str, validator: Any) -> None:
         ("run", "tolerance", 1.0),
         ("run", "solver", "stiff"),
         ("run", "initial", "rest"),
+        ("run", "record", ["x_c"]),
+        ("run", "record", "nodes"),
         ("outputs", "solver", "no"),
     ],
 )

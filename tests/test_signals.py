@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 import sympy
+from scipy.interpolate import CubicSpline
 
-from cablefmu.signals import Constant, CsvError, Sampled, Sine, Steps, read_csv
+from cablefmu.signals import Constant, CsvError, Derivative, Sampled, Signal, Sine, Spline, Steps, read_csv
 
 
 def test_heave_force_of_the_dissertation() -> None:
@@ -65,6 +66,32 @@ def test_samples_are_joined_by_straight_lines_and_held_outside() -> None:
     assert signal.breaks(-1.0, 9.0) == [0.0, 1.0, 3.0]
 
 
+def test_a_motion_is_scipys_clamped_spline_and_rests_outside() -> None:
+    times, values = (0.0, 0.7, 1.0, 2.5), (1.0, -2.0, 0.5, 3.0)
+    motion, expected = Spline(times, values), CubicSpline(times, values, bc_type="clamped")
+    for t in (0.0, 0.3, 0.7, 0.99, 1.0, 1.9, 2.4999):
+        # Another order of summation, of numbers below 1e3: rounding only.
+        assert motion(t) == pytest.approx(float(expected(t)), abs=1e-13)
+        assert motion.derivatives(t, 4) == pytest.approx([float(expected(t, k)) for k in (1, 2, 3, 4)], abs=1e-11)
+        assert Derivative(motion, 2)(t) == pytest.approx(float(expected(t, 2)), abs=1e-11)
+    assert [motion(t) for t in (-1.0, 2.5, 9.0)] == pytest.approx([1.0, 3.0, 3.0], abs=1e-14)
+    assert motion.derivatives(-1.0, 4) == motion.derivatives(2.5, 4) == [0.0] * 4
+    assert motion.breaks(0.0, 2.5) == [0.7, 1.0]
+
+
+def test_no_derivative_beyond_the_degree() -> None:
+    """What a host may leave out: it is 0 at all times."""
+    motion = Spline((0.0, 1.0, 2.0), (0.0, 1.0, 0.5))
+    signals: list[Signal] = [Constant(2.0), Steps((1.0,), (4.0,)), Sampled((0.0, 2.0), (1.0, 3.0)), motion]
+    signals += [Derivative(motion, 1), Derivative(motion, 2), Derivative(Constant(1.0), 1)]
+    assert [signal.degree for signal in signals] == [0, 0, 1, 3, 2, 1, 0]
+    for signal in signals:
+        assert signal.degree is not None
+        for t in (-0.5, 0.0, 0.3, 1.0, 1.7, 2.0):
+            assert not any(signal.derivatives(t, 8)[signal.degree :])
+    assert Sine(1.0, 2.0).degree is None and Derivative(Sine(1.0, 2.0), 2).degree is None
+
+
 def test_between_breaks_derivatives_predict_the_signal() -> None:
     # Taylor series over a tenth of a second: with amplitude 2 and w = pi the rest is 2 (0.1 w)^7 / 7! = 1.2e-7.
     for signal in (
@@ -72,6 +99,7 @@ def test_between_breaks_derivatives_predict_the_signal() -> None:
         Sine(2.0, 0.5, start=1.0),
         Steps((1.0,), (4.0,)),
         Sampled((0.0, 2.0), (1.0, 3.0)),
+        Spline((0.0, 1.0, 2.0), (1.0, 3.0, 2.0)),
     ):
         for t in (0.3, 1.0, 1.7):
             assert signal.breaks(t, t + 0.1) == []

@@ -73,6 +73,24 @@ int kernel_outputs(Kernel *kernel, const double *x, const double *u, double *out
     return 1;
 }
 
+/* pull[2][n] of every link at its upper and at its lower end [N], as cable_forces() has them for the ends of the cable
+ * [tension.c]. 0 where an angle is beyond the range of the kernel's sines. */
+int kernel_pulls(Kernel *kernel, const double *x, const double *u, double *pull)
+{
+    if (!kernel_derivatives(kernel, x, u, kernel->derivative)) return 0;
+    const Work *work = &kernel->work;
+    const int n = kernel->model.n;
+    const double *turn = rates_in(&kernel->model, kernel->derivative);
+    Pair force = {work->answer_x[0], work->answer_y[0]};
+    for (int i = 0; i < n; i++) {
+        const double ex = work->sine[i], ey = work->cosine[i];
+        pull[i] = -(force.x * ex + force.y * ey);
+        force = force_below(&kernel->model, work, i, turn[i], force);
+        pull[n + i] = -(force.x * ex + force.y * ey);
+    }
+    return 1;
+}
+
 /* From q to an equilibrium near it; figure[STATICS_COUNT]. Returns a StaticsStatus, or -1 where an angle is
  * beyond the range of the kernel's sines. */
 int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure)

@@ -27,6 +27,7 @@ VISIBLE Kernel *kernel_new(int n, int top, int terminal, int drag, uint64_t pres
 VISIBLE void kernel_free(Kernel *kernel);
 VISIBLE int kernel_derivatives(Kernel *kernel, const double *x, const double *u, double *derivative);
 VISIBLE int kernel_outputs(Kernel *kernel, const double *x, const double *u, double *output);
+VISIBLE int kernel_pulls(Kernel *kernel, const double *x, const double *u, double *pull);
 VISIBLE int kernel_equilibrium(Kernel *kernel, const double *u, double *q, double *figure);
 VISIBLE int kernel_rest(Kernel *kernel, const double *u, const double *q, double *force, double *acceleration);
 VISIBLE int kernel_factor(Kernel *kernel, double stiffness, double mass);

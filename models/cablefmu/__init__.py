@@ -10,14 +10,29 @@
 __version__ = "0.1.0"
 
 from .coupling import Coupling, couple, load_coupling, shipped_couplings
-from .errors import CableError, CouplingError, FmuError, OptionError, RunError, SceneError, UserError, VesselError
+from .errors import (
+    CableError,
+    CouplingError,
+    FmuError,
+    OptionError,
+    ResultError,
+    RunError,
+    SceneError,
+    UserError,
+    VesselError,
+    WavesError,
+)
 from .fmu.archive import build_fmu
 from .fmu.twin import build_twin
 from .fmu.vessel import build_vessel
+from .fmu.waves import build_waves
+from .plot import draw
+from .reading import open_result
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .statics import Equilibrium, Modes, end_stiffness, equilibrium, modes
 from .vessel import Vessel
+from .waves import Waves
 
 __all__ = [
     "CableError",
@@ -27,22 +42,28 @@ __all__ = [
     "FmuError",
     "Modes",
     "OptionError",
+    "ResultError",
     "RunError",
     "Scene",
     "SceneError",
     "UserError",
     "Vessel",
     "VesselError",
+    "Waves",
+    "WavesError",
     "__version__",
     "build_fmu",
     "build_twin",
     "build_vessel",
+    "build_waves",
     "couple",
+    "draw",
     "end_stiffness",
     "equilibrium",
     "load_coupling",
     "load_scene",
     "modes",
+    "open_result",
     "shipped_couplings",
     "shipped_scenes",
     "simulate",

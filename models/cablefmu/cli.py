@@ -10,20 +10,23 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-import xarray as xr
 from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
+from .completion import COUPLING_NAME, COUPLING_OR_FILE, SCENE_NAME, SCENE_OR_COUPLING, SCENE_OR_FILE, SCENE_OR_FMU
 from .couple_command import couple_and_show, export_coupling
 from .coupling.description import load_coupling, shipped_couplings
 from .coupling_report_command import names_coupling, write_coupling_reports
+from .doctor_command import doctor
 from .errors import CableError, OptionError, RunError
 from .files import check_writable
 from .fmu.archive import build_fmu, default_path, open_fmu
 from .fmu.platforms import PLATFORMS
 from .fmu.twin import build_twin
 from .fmu.variables import ENUMERATIONS
-from .plot import check_picture, picture_needs, plot_frames
+from .gallery_command import gallery
+from .plot import KINDS, Kind, check_picture, write_plot
+from .plot_command import as_asked, plot
 from .progress import showing_progress
 from .provenance import version_text
 from .report import LIMIT
@@ -44,11 +47,15 @@ app = App(
     help_format="plaintext",
 )
 
-SceneName = Annotated[str, Parameter(help="A shipped scene's name (see `cablefmu scenes`) or the path of a TOML file.")]
+app.register_install_completion_command(help="Have the shell complete commands, options and names behind TAB.")
+
+SceneName = Annotated[
+    str, Parameter(help="A shipped scene's name (see `cablefmu scenes`) or the path of a TOML file."), SCENE_OR_FILE
+]
 
 
 @app.command
-def scenes(name: str | None = None, /) -> None:
+def scenes(name: Annotated[str | None, SCENE_NAME] = None, /) -> None:
     """List the scenes that ship; with NAME print that scene's TOML, ready to edit."""
     if name is not None:
         sys.stdout.write(load_scene(name).text)
@@ -98,7 +105,9 @@ def build(
 
 @app.command
 def run(
-    scene: Annotated[str, Parameter(help="A shipped scene's name, a TOML file, or an FMU from `cablefmu build`.")],
+    scene: Annotated[
+        str, Parameter(help="A shipped scene's name, a TOML file, or an FMU from `cablefmu build`."), SCENE_OR_FMU
+    ],
     /,
     *,
     fmi: Annotated[Literal[2, 3] | None, Parameter(help="Version of FMI; 2 unless an FMU or a state is given.")] = None,
@@ -124,8 +133,9 @@ def run(
         list[str] | None,
         Parameter(
             consume_multiple=True,
-            help="Further variables: theta, omega, or names such as theta[3]; modes, stiffness: natural frequencies "
-            "with mode shapes, and the cable's end stiffness, about the equilibrium for the inputs of the start.",
+            help="Beside what the scene asks for: theta, omega, or names such as theta[3]; nodes, tensions: where "
+            "every node is, and the pull in every link; modes, stiffness: natural frequencies with mode shapes, and "
+            "the cable's end stiffness, about the equilibrium for the inputs of the start.",
         ),
     ] = None,
     save_state: Annotated[
@@ -141,7 +151,8 @@ def run(
             "tolerance, step and constant inputs are those of the saved run; step and inputs can be given anew."
         ),
     ] = None,
-    plot: Annotated[Path | None, Parameter(help="Picture of the cable at regular times, FILE.png.")] = None,
+    plot: Annotated[Path | None, Parameter(help="Picture of the run, FILE.png, .svg or .pdf.")] = None,
+    plot_kind: Annotated[Kind, Parameter(help="What it shows, see `cablefmu plot --help`.")] = "frames",
     output: Annotated[
         Path | None,
         Parameter(name=["--output", "-o"], help="Results, FILE.csv or FILE.nc; ./build/NAME.csv by default."),
@@ -152,6 +163,8 @@ def run(
         if values == []:
             raise OptionError(f"{option}: at least one value is expected behind it")
     given = _assignments(set_ or [])
+    if plot is None and plot_kind != "frames":
+        raise OptionError(f"plot-kind = {plot_kind}: goes with --plot FILE.png, which is missing")
     asked = [name for text in record or [] for name in text.split(",")]
     saved_fmi = None if from_state is None else read_state(from_state).fmi
     what, of = _archive_for(scene, fmi, saved_fmi)
@@ -162,7 +175,7 @@ def run(
     check_writable(results)
     if plot:
         check_picture(plot)
-    wanted = [*asked, *(picture_needs(of.cable) if plot else ())]
+    wanted = [*asked, *(KINDS[plot_kind] if plot else ())]
     failure: RunError | None = None
     with showing_progress(name) as progress:
         try:
@@ -174,9 +187,9 @@ def run(
             if error.partial is None:
                 raise
             failure, result = error, error.partial  # type: ignore[assignment]
-    written = write_results(_as_asked(result, asked), results)
+    written = write_results(as_asked(result, [*of.record, *asked]), results)
     if plot:
-        plot_frames(result, plot, of.frame_interval)
+        write_plot(result, plot, plot_kind)
     print_summary(result, Console())
     also = {"picture": plot, "state": save_state if failure is None else None}
     print(
@@ -188,7 +201,7 @@ def run(
 
 @app.command
 def report(
-    *names: Annotated[str, Parameter(help="Scenes, shipped or TOML files; or couplings, likewise.")],
+    *names: Annotated[str, Parameter(help="Scenes, shipped or TOML files; or couplings, likewise."), SCENE_OR_COUPLING],
     all_: Annotated[bool, Parameter(name="--all", negative=(), help="All scenes that ship.")] = False,
     output: Annotated[
         Path, Parameter(name=["--output", "-o"], help="Folder for NAME.report.html, .json and .csv.")
@@ -217,7 +230,7 @@ def report(
 
 
 @app.command
-def couplings(name: str | None = None, /) -> None:
+def couplings(name: Annotated[str | None, COUPLING_NAME] = None, /) -> None:
     """List the couplings that ship; with NAME print that coupling's TOML, ready to edit."""
     if name is not None:
         sys.stdout.write(load_coupling(name).text)
@@ -228,7 +241,9 @@ def couplings(name: str | None = None, /) -> None:
 
 @app.command
 def couple(
-    coupling: Annotated[str, Parameter(help="A shipped coupling's name (see `cablefmu couplings`) or a TOML file.")],
+    coupling: Annotated[
+        str, Parameter(help="A shipped coupling's name (see `cablefmu couplings`) or a TOML file."), COUPLING_OR_FILE
+    ],
     /,
     *,
     engine: Annotated[
@@ -256,15 +271,9 @@ def couple(
 
 
 app.command(stress)
-
-
-def _as_asked(result: xr.Dataset, record: list[str]) -> xr.Dataset:
-    """Without the angles, and places of vessels, that only the picture needed."""
-    result = result.drop_vars([name for name in ("x_1", "y_1") if name in result and name not in record])
-    if "theta" not in result or any(name.startswith("theta") for name in record):
-        return result
-    result = result.drop_vars("theta")
-    return result if any("link" in v.dims for v in result.data_vars.values()) else result.drop_dims("link")
+app.command(plot)
+app.command(gallery)
+app.command(doctor)
 
 
 def _archive_for(scene: str, fmi: int | None, saved_fmi: int | None) -> tuple[Path, Scene]:

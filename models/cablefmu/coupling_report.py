@@ -34,7 +34,7 @@ STEPS = (4.0, 2.0, 1.0, 0.5, 0.25)
 """Communication steps, as multiples of the file's."""
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 """Of adaptive steps, whose inputs are linear."""
-_LEAST_ADAPTIVE = 1.0 / 16.0
+_LEAST_ADAPTIVE = 1.0 / 256.0
 """Of the file's step: shorter ones are not asked for."""
 _NOISE = 3.0
 """Times what the truth is good to: smaller errors say nothing of an order."""
@@ -169,7 +169,7 @@ def make_coupling_report(
         CPU time [s] that a run may take, looked at after every communication step.
     steps
         Communication steps to try, as multiples of the file's; of an algorithm and order none that is longer than one
-        that is not stable.
+        that is not stable, and no adaptive ones where none is.
     say
         Told what is done next.
 
@@ -194,6 +194,7 @@ def make_coupling_report(
             )
         rows: list[CoupledRow] = []
         refused: dict[str, None] = {}
+        stable: set[tuple[str, int]] = set()
         unstable: set[tuple[str, int]] = set()
         for settings in _settings(system, steps):
             try:
@@ -202,12 +203,11 @@ def make_coupling_report(
                 refused[str(error)] = None
                 continue
             family = (other.settings.algorithm, other.settings.extrapolation)
-            if family in unstable and other.settings.adaptive is None:
+            if family in (unstable if other.settings.adaptive is None else unstable - stable):
                 continue  # as with all longer steps; a run that blows up costs more than all others
             say(_words(other))
             rows.append(_measured(other, truth, limit))
-            if not rows[-1].is_stable:
-                unstable.add(family)
+            (stable if rows[-1].is_stable else unstable).add(family)
     return CouplingReport(coupling, wanted, limit, truth, rows, list(refused))
 
 

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from .coupling.description import load_coupling, shipped_couplings
 from .coupling_report import check_coupling_options, make_coupling_report
-from .coupling_report_files import write_coupling_report
+from .coupling_report_files import write_coupling_report, write_orders
 from .coupling_report_tables import coupling_sheets
 from .errors import OptionError, RunError
 from .files import check_writable
@@ -47,7 +47,7 @@ def write_coupling_reports(names: Sequence[str], *, accuracy: float | None, limi
     check_coupling_options(accuracy, limit)
     need_matplotlib()
     check_writable(folder / f"{couplings[0].name}.report.html")
-    failures = []
+    failures, reports = [], []
     for coupling in couplings:
         try:
             with showing(coupling.name) as say:
@@ -55,11 +55,14 @@ def write_coupling_reports(names: Sequence[str], *, accuracy: float | None, limi
         except RunError as error:
             failures.append(str(error))
             continue
+        reports.append(report)
         written = write_coupling_report(report, folder)
         console = Console()
         console.print(f"\n{coupling.name}: {coupling.spec.coupling.description}", markup=False, highlight=False)
         for sheet in coupling_sheets(report):
             print_sheet(sheet, console)
         print(f"{coupling.name}: {written[-1]}")
+    if reports:
+        print(f"orders: {write_orders(reports, folder)}")
     if failures:
         raise RunError("\n".join(failures))

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 from .coupling_report import CoupledRow, CouplingReport
-from .coupling_report_figures import coupling_figures
+from .coupling_report_figures import coupling_figures, orders_figure
 from .coupling_report_tables import coupling_sheets
 from .files import replacing
 from .report import made_on
 from .report_page import page_of
 
-__all__ = ["write_coupling_report"]
+__all__ = ["write_coupling_report", "write_orders"]
 
 
 def write_coupling_report(report: CouplingReport, folder: Path) -> list[Path]:
@@ -38,6 +39,20 @@ def write_coupling_report(report: CouplingReport, folder: Path) -> list[Path]:
         writer.writeheader()
         writer.writerows(asdict(row) for row in report.rows)
     return paths
+
+
+def write_orders(reports: Sequence[CouplingReport], folder: Path) -> Path:
+    """coupling-orders.svg: the errors of several couplings over their steps; the same file for the same numbers.
+
+    Raises
+    ------
+    OptionError
+        If the folder is not writable, or matplotlib is not installed.
+    """
+    path = folder / "coupling-orders.svg"
+    with replacing(path) as temporary:
+        temporary.write_text(orders_figure(reports) + "\n", encoding="utf-8")
+    return path
 
 
 def _data(report: CouplingReport) -> dict[str, Any]:

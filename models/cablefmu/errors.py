@@ -8,8 +8,10 @@
     │   ├── OptionError  a command-line option or an argument of the Python API
     │   ├── FmuError     an archive that is not one of ours, or is damaged
     │   ├── CouplingError  something in a coupling file, or between the models that it couples
+    │   ├── ResultError  a file that was given as results and is none, or is damaged
     │   ├── StateError   a saved state that is none, is damaged, or is of another run
-    │   └── VesselError  something in a vessel's table (or in a file that it names)
+    │   ├── VesselError  something in a vessel's table (or in a file that it names)
+    │   └── WavesError   something in a sea's table
     └── RunError         a run that could not go on; status 1, results up to then are kept
 
 Every message is whole sentences for a person: what is wrong, where, and what is allowed.
@@ -22,11 +24,13 @@ __all__ = [
     "CouplingError",
     "FmuError",
     "OptionError",
+    "ResultError",
     "RunError",
     "SceneError",
     "StateError",
     "UserError",
     "VesselError",
+    "WavesError",
 ]
 
 
@@ -58,12 +62,20 @@ class FmuError(UserError):
     """A file that was given as an FMU and cannot be used as one."""
 
 
+class ResultError(UserError):
+    """A file that was given as the results of a run and cannot be read as such."""
+
+
 class StateError(UserError):
     """A file that was given as a saved state and cannot be gone on from."""
 
 
 class VesselError(UserError):
     """One or more mistakes in a vessel's table, one line each: where, key, value, what is allowed."""
+
+
+class WavesError(UserError):
+    """One or more mistakes in a sea's table, one line each: where, key, value, what is allowed."""
 
 
 class RunError(CableError):

@@ -64,8 +64,8 @@ class Feed:
         return self.values(time if time < limit else math.nextafter(limit, -math.inf))
 
     def derivatives(self, time: float) -> list[list[float]]:
-        """Per input its derivatives of order 1 to `ORDERS` at `time`, after a jump."""
-        return [signal.derivatives(time, ORDERS) for signal in self.signals.values()]
+        """Per input its derivatives at `time`, after a jump: to `ORDERS` or its degree, as all others are 0."""
+        return [signal.derivatives(time, _orders(signal)) for signal in self.signals.values()]
 
     def next_break(self, time: float, end: float) -> float:
         """The next time after `time` at which a force or its slope jumps, or `end` if none does before."""
@@ -75,10 +75,17 @@ class Feed:
         """How far from `time`, at most to `end`, the derivatives at `time` describe every force."""
         reach = end - time
         shortest = reach * _SHORTEST
-        for signal, derivatives in zip(self.signals.values(), self.derivatives(time), strict=True):
+        for signal in self.signals.values():
+            if signal.degree is not None and signal.degree <= ORDERS:
+                continue
+            derivatives = signal.derivatives(time, ORDERS)
             while reach > shortest and not all(_fits(signal, time, reach * part, derivatives) for part in (0.5, 1.0)):
                 reach *= 0.5
         return time + reach if reach < end - time else end
+
+
+def _orders(signal: Signal) -> int:
+    return ORDERS if signal.degree is None else min(signal.degree, ORDERS)
 
 
 def _fits(signal: Signal, time: float, ahead: float, derivatives: Sequence[float]) -> bool:

@@ -34,6 +34,7 @@ BINDINGS: dict[str, tuple[Any, ...]] = {
     "kernel_free": (None, _POINTER),
     "kernel_derivatives": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "kernel_outputs": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
+    "kernel_pulls": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "kernel_equilibrium": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY),
     "kernel_rest": (_INT, _POINTER, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     "kernel_factor": (_INT, _POINTER, _DOUBLE, _DOUBLE),
@@ -184,12 +185,27 @@ class KernelModel:
             A wrong shape, a value that is not finite, or an angle beyond 1.6e6 rad.
         """
         values = np.zeros(len(table().outputs))
-        if x.shape != (2 * self.cable.coordinates,) or not np.all(np.isfinite(x)):
-            raise OptionError(f"x: {2 * self.cable.coordinates} finite numbers are expected")
-        if not self._library.kernel_outputs(self._handle, self._padded(x), forces, values):
+        if not self._library.kernel_outputs(self._handle, self._state(x), forces, values):
             raise OptionError(_WOUND_UP)
         rows = table().outputs
         return {name: float(values[rows[name].slot]) for name in outputs_of(self.cable)}
+
+    def pulls(self, x: Floats, forces: Floats) -> Floats:
+        """Evaluate the pull in every link for x and `forces` as `derivatives` takes them.
+
+        Returns
+        -------
+        Shape (n, 2) [N]: -R_i . e_i at its upper end and -R_{i+1} . e_i at its lower one; negative where it is pressed.
+
+        Raises
+        ------
+        OptionError
+            A wrong shape, a value that is not finite, or an angle beyond 1.6e6 rad.
+        """
+        ends = np.empty((2, self.cable.n))
+        if not self._library.kernel_pulls(self._handle, self._state(x), forces, ends):
+            raise OptionError(_WOUND_UP)
+        return ends.T.copy()
 
     def equilibrium(self, q: ArrayLike, inputs: Mapping[str, float]) -> Search:
         """Search for a stable equilibrium near `q` under inputs by name [N].
@@ -252,6 +268,11 @@ class KernelModel:
         force = np.zeros_like(padded)
         self._library.kernel_product(self._handle, stiffness, mass, padded, force)
         return self.cable.unpadded(force)
+
+    def _state(self, x: Floats) -> Floats:
+        if x.shape != (2 * self.cable.coordinates,) or not np.all(np.isfinite(x)):
+            raise OptionError(f"x: {2 * self.cable.coordinates} finite numbers are expected")
+        return self._padded(x)
 
     def _vector(self, name: str, given: ArrayLike) -> Floats:
         vector = np.ascontiguousarray(given, dtype=np.float64)

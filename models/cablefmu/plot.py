@@ -1,73 +1,117 @@
-"""Pictures of the cable: its shape at regular times in one figure, as the dissertation draws it."""
+"""Pictures of results: every kind by its name, drawn as a figure of matplotlib or written to a file."""
 
 from __future__ import annotations
 
-import importlib.util
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
-import numpy as np
 import xarray as xr
 
-from .cable import Cable, Floats, Top
+from .along import node_positions, picture_needs
 from .errors import OptionError
 from .files import check_writable, replacing
+from .plot_envelope import draw_envelope
+from .plot_frames import draw_frames
+from .plot_series import draw_series
+from .plot_spectrum import draw_spectrum
+from .plot_style import need_matplotlib, style
+from .plot_tension import draw_tension
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_picture", "draw_frames", "need_matplotlib", "node_positions", "picture_needs", "plot_frames"]
+__all__ = [
+    "KINDS", "Kind", "check_picture", "draw", "need_matplotlib", "node_positions", "picture_needs", "write_plot",
+]  # fmt: skip
+
+Kind = Literal["frames", "series", "tension", "envelope", "spectrum"]
+
+KINDS: dict[str, tuple[str, ...]] = {
+    "frames": ("nodes",),
+    "series": (),
+    "tension": ("tensions",),
+    "envelope": ("nodes", "tensions"),
+    "spectrum": (),
+}
+"""What a run must record for each kind of picture, beside the variables that are named."""
+
+_NAMED = ("series", "spectrum")
+_SHAPES = 30
+"""In a picture of a result that does not say how far its shapes are apart."""
 
 
-def node_positions(result: xr.Dataset) -> tuple[Floats, Floats]:
-    """Positions of P_0 ... P_n over time from recorded angles.
-
-    Parameters
-    ----------
-    result
-        With `theta` over (time, link) and where the top is, as `simulate(..., record=picture_needs(cable))` gives them.
-
-    Returns
-    -------
-    x, y
-        Each of shape (times, n + 1) [m]; P_0 = (x_m1, y_m1) or (x_1, y_1), P_i = P_{i-1} + l_i (sin th_i, cos th_i).
-    """
-    length, theta = result["link_length"].values, result["theta"].values
-    nothing = np.zeros(len(theta))
-    x, y = (
-        next((result[name].values for name in names if name in result), nothing)[:, None]
-        + np.hstack([nothing[:, None], np.cumsum(length * along(theta), axis=1)])
-        for names, along in ((("x_m1", "x_1"), np.sin), (("y_m1", "y_1"), np.cos))
-    )
-    return x, y
-
-
-def picture_needs(cable: Cable) -> tuple[str, ...]:
-    """What a run must record for its picture: link angles and where the top is."""
-    top = {Top.FLOATER: ("y_m1",), Top.FREE: ("x_m1", "y_m1"), Top.MOTION: ("x_1", "y_1")}[cable.top]
-    return ("theta", *top)
-
-
-def plot_frames(result: xr.Dataset, path: Path, interval: float) -> None:
-    """Draw the cable every `interval` seconds into one picture.
+def draw(
+    result: xr.Dataset, kind: str = "frames", *, names: Sequence[str] = (), interval: float | None = None
+) -> Figure:
+    """Draw a picture of a result.
 
     Parameters
     ----------
     result
-        With link angles and the top, see `node_positions`.
-    path
-        Picture to write; the suffix says of which kind (.png, .svg, .pdf).
+        As `simulate`, `couple` or `open_result` return it; also of a run that ended early, which the title says.
+    kind
+        "frames": the cable's shape at regular times. "series": variables over time. "tension": the pull along the cable
+        over time. "envelope": how far every point gets, and between which pulls. "spectrum": power spectral densities.
+    names
+        Of variables, for series and spectrum; all outputs by default.
     interval
-        Time between two shapes [s].
+        Between two shapes of frames [s]; the scene's by default.
 
     Raises
     ------
     OptionError
-        If matplotlib is not installed, knows no such suffix, or the file cannot be written.
+        If matplotlib is not installed, or the result does not hold what is to be drawn.
     """
-    figure = draw_frames(result, interval)
+    if kind not in KINDS:
+        raise OptionError(f"kind = {kind!r}: one of {', '.join(KINDS)} is expected")
+    if names and kind not in _NAMED:
+        raise OptionError(f"names: a picture of {kind} has none; {' and '.join(_NAMED)} have")
+    if interval is not None and kind != "frames":
+        raise OptionError(f"interval = {interval}: only a picture of frames has one")
+    _check_held(result, kind)
+    with style():
+        if kind == "frames":
+            return draw_frames(result, _interval(result) if interval is None else interval)
+        if kind in _NAMED:
+            return draw_series(result, names) if kind == "series" else draw_spectrum(result, names)
+        return draw_tension(result) if kind == "tension" else draw_envelope(result)
+
+
+def _check_held(result: xr.Dataset, kind: str) -> None:
+    held = {
+        "nodes": {"node_x", "node_y"} <= set(result) or ("theta" in result and "link_length" in result),
+        "tensions": "tension" in result,
+    }
+    needed = KINDS[kind] if kind != "envelope" else ("nodes",)
+    for name in needed:
+        if not held[name]:
+            raise OptionError(
+                f"a picture of {kind} needs {name}, which this result does not hold; "
+                f"a run with --record {' '.join(KINDS[kind])} does"
+            )
+    if not result.sizes["time"]:
+        raise OptionError("this result holds no output time, and so nothing to draw")
+
+
+def _interval(result: xr.Dataset) -> float:
+    times = result["time"].values
+    return float(result.attrs.get("frame_interval", 0.0)) or float(times[-1] - times[0]) / _SHAPES or 1.0
+
+
+def write_plot(
+    result: xr.Dataset, path: Path, kind: str = "frames", *, names: Sequence[str] = (), interval: float | None = None
+) -> None:
+    """Draw a picture into a file, whose suffix says of which format (.png, .svg, .pdf); the rest as for `draw`.
+
+    Raises
+    ------
+    OptionError
+        As `draw`, and if matplotlib knows no such suffix, or the file cannot be written.
+    """
+    figure = draw(result, kind, names=names, interval=interval)
     check_picture(path)
-    with replacing(path) as temporary:
+    with style(), replacing(path) as temporary:
         figure.savefig(temporary, format=path.suffix.removeprefix("."), dpi=120)
 
 
@@ -87,47 +131,3 @@ def check_picture(path: Path) -> None:
         allowed = ", ".join(f".{kind}" for kind in sorted(kinds))
         raise OptionError(f"plot = {path}: a name that ends with one of {allowed} is expected")
     check_writable(path)
-
-
-def need_matplotlib() -> None:
-    if importlib.util.find_spec("matplotlib") is None:
-        raise OptionError("a picture needs matplotlib: pip install 'cablefmu[plot]'")
-
-
-def draw_frames(result: xr.Dataset, interval: float) -> Figure:
-    """The picture that `plot_frames` writes, as a figure of matplotlib.
-
-    Raises
-    ------
-    OptionError
-        If matplotlib is not installed.
-    """
-    need_matplotlib()
-    from matplotlib import colormaps
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8, 6), layout="constrained")
-    axes = figure.add_subplot()
-    x, y = node_positions(result)
-    times = result["time"].values
-    frames = _frames(times, interval)
-    colors = colormaps["viridis"](np.linspace(0.0, 0.92, len(frames)))
-    for color, k in zip(colors, frames, strict=True):
-        axes.plot(x[k], y[k], color=color, linewidth=1.0)
-        axes.plot(x[k, :1], y[k, :1], "s", color=color, markersize=5)
-        axes.plot(x[k, -1:], y[k, -1:], "o", color=color, markersize=4)
-    axes.set(xlabel="x [m], to the right", ylabel="y [m], down", title=_title(result, times, interval))
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.invert_yaxis()
-    axes.grid(alpha=0.3)
-    return figure
-
-
-def _title(result: xr.Dataset, times: Floats, interval: float) -> str:
-    return f"{result.attrs['title']}: every {interval:g} s from t = {times[0]:g} s (dark) to {times[-1]:g} s (bright)"
-
-
-def _frames(times: Floats, interval: float) -> list[int]:
-    """Indices of the output times nearest to 0, interval, 2 interval, ..., each once."""
-    wanted = np.arange(times[0], times[-1] + 0.5 * interval, interval)
-    return sorted({int(np.argmin(np.abs(times - t))) for t in wanted})

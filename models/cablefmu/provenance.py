@@ -9,7 +9,7 @@ from importlib.resources.abc import Traversable
 from . import __version__
 from .fmu.platforms import PLATFORMS, binaries, library_name
 
-__all__ = ["version_text"]
+__all__ = ["platform_hashes", "version_text"]
 
 _DIGITS = 12
 _NONE = "-"
@@ -22,13 +22,16 @@ def version_text() -> str:
     is none.
     """
     rows = [("", "sources", "FMU", "kernel")]
-    for platform in PLATFORMS:
-        fmu, kernel = (_hash(library_name(stem, platform)) for stem in ("cable", "kernel"))
-        rows.append((platform, _stamp(platform), fmu, kernel))
-    universal = binaries(2)["darwin64"]
-    rows.append((universal.partition("/")[0], _NONE, _hash(universal), _NONE))
+    rows += [(name, _stamp(name), fmu, kernel) for name, fmu, kernel in platform_hashes()]
     lines = [f"{name:<16}  {source:<{_DIGITS}}  {fmu:<{_DIGITS}}  {kernel}" for name, source, fmu, kernel in rows]
     return "\n".join([f"cablefmu {__version__}", *lines])
+
+
+def platform_hashes() -> list[tuple[str, str, str]]:
+    """Of every platform, and of what both of Apple's share: its name, the FMU's library and the kernel's."""
+    rows = [(name, _hash(library_name("cable", name)), _hash(library_name("kernel", name))) for name in PLATFORMS]
+    universal = binaries(2)["darwin64"]
+    return [*rows, (universal.partition("/")[0], _hash(universal), _NONE)]
 
 
 def _file(name: str) -> Traversable:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .plot import need_matplotlib
+from .plot_style import COLORS, new_figure, style
 from .report import Report
 from .report_ladder import Row
 from .report_runs import SOLVERS, Apart
@@ -18,12 +18,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["figures", "log_axes", "svg"]
+__all__ = ["figures", "log_axes", "prepare_log_axes", "svg"]
 
-_COLORS = {
-    "explicit": "#0b6fb8", "implicit": "#d1495b", "automatic": "#2e8b57", "CVode": "#8a6d3b",
-    "DOP853": "#7d5ba6", "Radau": "#e08e2b", "LSODA": "#7a8794",
-}  # fmt: skip
+_COLORS = dict(zip(("explicit", "implicit", "automatic", "CVode", "DOP853", "Radau", "LSODA"), COLORS, strict=True))
 _ZERO = 1e-16
 """An error of nothing has no place on a logarithmic axis."""
 
@@ -36,8 +33,8 @@ def figures(report: Report) -> list[str]:
     OptionError
         If matplotlib is not installed.
     """
-    need_matplotlib()
-    return [svg(figure, f"f{k}-") for k, figure in enumerate(_drawn(report))]
+    with style():
+        return [svg(figure, f"f{k}-") for k, figure in enumerate(_drawn(report))]
 
 
 def _drawn(report: Report) -> Iterator[Figure]:
@@ -68,14 +65,15 @@ def _rhs(row: Row) -> float:
 
 def log_axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:
     """A figure with one pair of logarithmic axes."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.0, 4.2), layout="constrained")
-    axes = figure.add_subplot()
-    axes.set(xlabel=x, ylabel=y, title=title, xscale="log", yscale="log")
-    axes.grid(alpha=0.3)
-    _plain_ticks(axes)
+    figure, (axes,) = new_figure(size=(6.0, 4.2))
+    prepare_log_axes(axes, title, x, y)
     return figure, axes
+
+
+def prepare_log_axes(axes: Axes, title: str, x: str, y: str) -> None:
+    """Logarithmic axes, their names, and what is easily read across."""
+    axes.set(xlabel=x, ylabel=y, title=title, xscale="log", yscale="log")
+    _plain_ticks(axes)
 
 
 def _plain_ticks(axes: Axes) -> None:
@@ -107,19 +105,19 @@ def _work_precision(
             axes.plot(
                 price(best), max(best.error.position, _ZERO), "*", color="black", markersize=11, label="recommended"
             )
-    axes.legend(fontsize="small")
+    axes.legend()
     return figure
 
 
 def _communication(report: Report) -> Figure:
     figure, axes = log_axes("Communication step (automatic, 1e-6)", "communication step [s]", "position error [m]")
-    for inputs, color in (("exact", "#2e8b57"), ("held", "#d1495b")):
+    for inputs, color in (("exact", COLORS[2]), ("held", COLORS[1])):
         ended = [(row.step, row.error.position) for row in report.communication if row.inputs == inputs and row.error]
         if ended:
             across, up = np.maximum(np.array(ended), _ZERO).T
             axes.plot(across, up, "-o", color=color, markersize=4, label=f"inputs {inputs}")
     axes.axhline(report.accuracy, color="black", linewidth=0.8, linestyle=":")
-    axes.legend(fontsize="small")
+    axes.legend()
     return figure
 
 
@@ -127,25 +125,25 @@ def _links(report: Report) -> Figure:
     figure, axes = log_axes("The same cable in more links", "links", "error")
     steps = report.refinement.steps
     lines: Sequence[tuple[str, str, list[float]]] = (
-        ("position over the cable's length", "#0b6fb8", [step.position for step in steps]),
-        ("largest tension, relative", "#d1495b", [step.tension for step in steps]),
+        ("position over the cable's length", COLORS[0], [step.position for step in steps]),
+        ("largest tension, relative", COLORS[1], [step.tension for step in steps]),
     )
     for label, color, errors in lines:
         axes.plot(
             [step.links for step in steps], np.maximum(errors, _ZERO), "-o", color=color, markersize=4, label=label
         )
-    axes.legend(fontsize="small")
+    axes.legend()
     return figure
 
 
 def _growth(report: Report) -> Figure:
     figure, axes = log_axes("Two starts 1e-9 rad apart", "time [s]", "distance [m]")
     axes.set_xscale("linear")  # with ticks of its own
-    axes.plot(report.reference.course.times, np.maximum(report.reference.horizon.growth, _ZERO), color="#0b6fb8")
+    axes.plot(report.reference.course.times, np.maximum(report.reference.horizon.growth, _ZERO), color=COLORS[0])
     axes.axhline(report.accuracy, color="black", linewidth=0.8, linestyle=":")
     if report.reference.horizon.is_chaotic:
-        axes.axvline(report.reference.horizon.time, color="#d1495b", linewidth=1.0, label="horizon")
-        axes.legend(fontsize="small")
+        axes.axvline(report.reference.horizon.time, color=COLORS[1], linewidth=1.0, label="horizon")
+        axes.legend()
     return figure
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -21,7 +21,7 @@ from .fmu.variables import Variable
 from .scene import Scene
 from .statics_results import is_over_time, write_statics
 
-__all__ = ["Recording", "dataset", "write_results"]
+__all__ = ["ORDER", "Recording", "columns_of", "dataset", "write_results"]
 
 
 @dataclass(slots=True)
@@ -35,6 +35,10 @@ class Recording:
     def add(self, time: float, values: list[float]) -> None:
         self.times.append(time)
         self.rows.append(values)
+
+    def first(self, count: int) -> Recording:
+        """The same with so many of its variables."""
+        return Recording(self.variables[:count], self.times, [row[:count] for row in self.rows])
 
 
 def dataset(
@@ -77,6 +81,7 @@ def _attributes(scene: Scene, settings: Mapping[str, Any], statistics: Mapping[s
         "title": scene.name,
         "summary": scene.description,
         "scene": scene.text,
+        "frame_interval": scene.frame_interval,
         **settings,
         **{f"solver_{name}" if name != "run_time" else name: value for name, value in statistics.items()},
         "source": f"cablefmu {__version__}, fmpy {version('fmpy')}, Python {platform.python_version()}",
@@ -90,7 +95,8 @@ def write_results(result: xr.Dataset, path: Path) -> list[Path]:
     Returns the files that hold numbers, `path` first.
 
     CSV: first column `time`, then the variables under their FMI names, every double to the last bit. What is not over
-    time goes to NAME.modes.csv and NAME.stiffness.csv beside.
+    time goes to NAME.modes.csv and NAME.stiffness.csv beside. NetCDF: the classic format with 64-bit offsets, which
+    every reader knows; arrays stay arrays. `open_result` reads either back.
 
     Raises
     ------
@@ -101,13 +107,40 @@ def write_results(result: xr.Dataset, path: Path) -> list[Path]:
         with replacing(path) as temporary:
             _write_csv(result, temporary)
         with replacing(path.with_name(path.name + ".json")) as temporary:
-            temporary.write_text(json.dumps(_metadata(result), indent=1) + "\n", encoding="utf-8")
+            temporary.write_text(json.dumps(_metadata(_plain(result)), indent=1) + "\n", encoding="utf-8")
         return [path, *write_statics(result, path)]
     if path.suffix == ".nc":
         with replacing(path) as temporary:
-            result.to_netcdf(temporary, engine="scipy")
+            order = {ORDER: json.dumps(list(result.variables))}
+            encoding = dict.fromkeys(_numbers(result), _AS_IT_IS)
+            _plain(result).assign_attrs(order).to_netcdf(temporary, engine="scipy", encoding=encoding)
         return [path]
     raise OptionError(f"{path}: a name that ends with .csv or .nc is expected")
+
+
+ORDER = "variable_order"
+"""Attribute of a NetCDF file, as JSON: the format is free to keep variables in an order of its own."""
+
+_AS_IT_IS = {"_FillValue": None}
+"""No number stands for a missing one: there is none."""
+
+
+def _numbers(result: xr.Dataset) -> list[Hashable]:
+    return [name for name, variable in result.variables.items() if variable.dtype.kind == "f"]
+
+
+def _plain(result: xr.Dataset) -> xr.Dataset:
+    """Without the attributes that say nothing: the classic format has no empty texts."""
+    plain = result.copy()
+    plain.attrs = {key: value for key, value in result.attrs.items() if value != ""}
+    for name, variable in plain.variables.items():
+        plain[name].attrs = {key: value for key, value in variable.attrs.items() if value != ""}
+    return plain
+
+
+def columns_of(name: str, labels: Iterable[object]) -> list[str]:
+    """Names of the columns of an array over time: theta[1], theta[2], ..."""
+    return [f"{name}[{label}]" for label in labels]
 
 
 def _columns(result: xr.Dataset) -> dict[str, Any]:
@@ -118,8 +151,7 @@ def _columns(result: xr.Dataset) -> dict[str, Any]:
         if variable.ndim == 1:
             columns[str(name)] = variable.values
             continue
-        for k, link in enumerate(result["link"].values):
-            columns[f"{name}[{link}]"] = variable.values[:, k]
+        columns |= zip(columns_of(str(name), result[variable.dims[1]].values), variable.values.T, strict=True)
     return columns
 
 
@@ -132,5 +164,12 @@ def _write_csv(result: xr.Dataset, path: Path) -> None:
 
 
 def _metadata(result: xr.Dataset) -> dict[str, Any]:
+    """All that the numbers over time do not say; with them it is the whole result again."""
     described = {"time": result["time"].attrs} | {str(name): v.attrs for name, v in result.data_vars.items()}
-    return {**result.attrs, "variables": described}
+    coordinates = {
+        str(name): {"dimensions": list(v.dims), "values": v.values.tolist(), "attributes": v.attrs}
+        for name, v in result.coords.items()
+        if name != "time"
+    }
+    dimensions = {str(name): list(v.dims) for name, v in result.data_vars.items()}
+    return {**result.attrs, "variables": described, "dimensions": dimensions, "coordinates": coordinates}

@@ -118,6 +118,11 @@ class Scene:
         return self.spec.run.tolerance
 
     @property
+    def record(self) -> tuple[str, ...]:
+        """What a run records beside the outputs."""
+        return self.spec.run.record
+
+    @property
     def frame_interval(self) -> float:
         """Between the shapes in a picture [s]."""
         given = self.spec.run.frame_interval

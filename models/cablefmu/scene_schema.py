@@ -254,6 +254,9 @@ class RunTable(Table):
     """Communication step and output interval."""
     frame_interval: u.Duration | None = None
     """Between the shapes in a picture; by default a thirtieth of the stop time."""
+    record: tuple[Literal["theta", "omega", "nodes", "tensions", "modes", "stiffness"], ...] = ()
+    """What a run keeps beside the outputs: link angles and rates, places of the nodes, pulls in the links over time;
+    natural frequencies with mode shapes, and the cable's end stiffness, about the equilibrium at the start."""
     tolerance: u.Tolerance = 1e-6
     """Relative tolerance of the solver."""
     solver: Literal["automatic", "explicit", "implicit"] = "automatic"

@@ -12,7 +12,7 @@ import io
 import math
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from scipy.interpolate import CubicSpline
 
@@ -21,6 +21,11 @@ __all__ = ["Constant", "CsvError", "Derivative", "Sampled", "Signal", "Sine", "S
 
 class Signal(Protocol):
     """A force [N], or a coordinate [m], over time [s]."""
+
+    @property
+    def degree(self) -> int | None:
+        """Of the polynomial that it is between two breaks; None if it is none."""
+        ...
 
     def __call__(self, t: float) -> float:
         """Value at `t`; at a jump the value after it."""
@@ -40,6 +45,7 @@ class Constant:
     """The same force at all times."""
 
     value: float
+    degree: ClassVar[int] = 0
 
     def __call__(self, t: float) -> float:
         return self.value
@@ -65,6 +71,7 @@ class Sine:
     """[rad]"""
     offset: float = 0.0
     start: float | None = None
+    degree: ClassVar[None] = None
 
     def _angle(self, t: float) -> float:
         return 2.0 * math.pi * self.frequency * (t - (self.start or 0.0)) + self.phase
@@ -92,6 +99,7 @@ class Steps:
 
     times: tuple[float, ...]
     values: tuple[float, ...]
+    degree: ClassVar[int] = 0
 
     def __call__(self, t: float) -> float:
         k = bisect_right(self.times, t)
@@ -110,6 +118,7 @@ class Sampled:
 
     times: tuple[float, ...]
     values: tuple[float, ...]
+    degree: ClassVar[int] = 1
 
     def _slope(self, k: int) -> float:
         """Slope after sample k - 1, that is from there to sample k [N/s]."""
@@ -140,21 +149,32 @@ class Spline:
         Two or more; times rise.
     """
 
+    degree = 3
+
     def __init__(self, times: tuple[float, ...], values: tuple[float, ...]) -> None:
         self.times, self.values = times, values
-        spline = CubicSpline(times, values, bc_type="clamped")
-        self._of_order = [spline, *(spline.derivative(order) for order in (1, 2, 3))]
+        # One cell at a time, 40 times as fast as scipy's own evaluation, which is made for arrays.
+        self._cells: list[list[float]] = CubicSpline(times, values, bc_type="clamped").c.T.tolist()
 
     def __call__(self, t: float) -> float:
-        return float(self._of_order[0](min(max(t, self.times[0]), self.times[-1])))
+        t = min(max(t, self.times[0]), self.times[-1])
+        since, (a, b, c, d) = self._cell(t)
+        return ((a * since + b) * since + c) * since + d
 
     def derivatives(self, t: float, order: int) -> list[float]:
         if not self.times[0] <= t < self.times[-1]:
             return [0.0] * order
-        return [float(self._of_order[k](t)) if k <= 3 else 0.0 for k in range(1, order + 1)]
+        since, (a, b, c, _) = self._cell(t)
+        first = (3.0 * a * since + 2.0 * b) * since + c
+        return [first, 6.0 * a * since + 2.0 * b, 6.0 * a, *[0.0] * (order - 3)][:order]
 
     def breaks(self, t0: float, t1: float) -> list[float]:
         return _inside(self.times, t0, t1)
+
+    def _cell(self, t: float) -> tuple[float, list[float]]:
+        """Time since the sample before [s], and the cubic's coefficients from there, highest power first."""
+        k = min(bisect_right(self.times, t), len(self._cells)) - 1
+        return t - self.times[k], self._cells[k]
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +184,10 @@ class Derivative:
     of: Signal
     order: int
     """1 for the velocity, 2 for the acceleration"""
+
+    @property
+    def degree(self) -> int | None:
+        return None if self.of.degree is None else max(0, self.of.degree - self.order)
 
     def __call__(self, t: float) -> float:
         return self.of.derivatives(t, self.order)[-1]

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from fmpy import extract
 
+from .along import ALONG, along_of, states_for
 from .drive import Driver, make_driver
 from .errors import OptionError, RunError
 from .feed import Feed
@@ -102,8 +103,10 @@ def simulate(
         states by name, SI, and the name of a solver: "automatic", "explicit" or "implicit" (used in
         Co-Simulation). What the scene derived at build time stays.
     record
-        Further variables by name; "theta" and "omega" stand for those of all links. "modes" and "stiffness": natural
-        frequencies with mode shapes, and the cable's end stiffness, about the equilibrium for the inputs of the start.
+        Further variables by name, beside those that the scene asks for; "theta" and "omega" stand for those of all
+        links. "nodes": `node_x`, `node_y`, where every node is; "tensions": `tension`, the pull in every link. "modes"
+        and "stiffness": natural frequencies with mode shapes, and the cable's end stiffness, about the equilibrium for
+        the inputs of the start.
     progress
         Called with the simulated and the stop time [s] after every output interval.
     save_state
@@ -139,7 +142,8 @@ def simulate(
         tolerance, given = saved.tolerance, {**saved.given, **given}
     if archive is not None and archive.has_arrays:
         scene = _divided(scene, given)
-    settings = _settings(scene, variables, interface, stop_time, step, tolerance, given, record)
+    asked = (*scene.record, *record)
+    settings = _settings(scene, variables, interface, stop_time, step, tolerance, given, asked)
     if save_state is not None:
         check_saving(Path(save_state), interface)
     settings = _between_states(settings, saved, save_state, archive)
@@ -220,7 +224,7 @@ def _settings(
     for name, value in settings.given.items():
         _check_given(name, value, by_name)
     over_time = (v.name for v in elements_of(variables, scene.cable.n) if v.kind not in (Kind.TIME, *_CHOICES))
-    recordable = [*GROUPS, *STATICS_GROUPS, *over_time]
+    recordable = [*GROUPS, *ALONG, *STATICS_GROUPS, *over_time]
     for name in settings.record:
         if name in by_name and by_name[name].kind in _CHOICES:
             raise OptionError(f"record {name}: it is a fixed choice, not a number over time")
@@ -296,7 +300,9 @@ def _run(
     rests = {name for name, (place, _) in FOLLOWING.items() if place in settings.given and name in signals}
     signals |= dict.fromkeys(rests, Constant(0.0))
     feed = Feed(signals)
-    recording = Recording([*_outputs(elements), *_recorded(elements, settings.record)])
+    asked = [*_outputs(elements), *_recorded(elements, settings.record)]
+    names, behind = {variable.name for variable in asked}, states_for(scene.cable, settings.record)
+    recording = Recording([*asked, *(v for v in _recorded(elements, behind) if v.name not in names)])
     driver = make_driver(archive.fmi, settings.interface, archive.description, folder, feed)
     try:
         read = _reader(driver, recording.variables, scene.cable.n)
@@ -314,15 +320,20 @@ def _run(
             _save(driver, archive, settings)
     finally:
         driver.close()
-    result = dataset(recording, scene, {
+    about = {
         "fmi": archive.fmi, "interface": settings.interface, "step": settings.step, "stop_time": settings.stop_time,
         "tolerance": settings.tolerance, "set": " ".join(f"{k}={v}" for k, v in settings.given.items()),
-    }, statistics)  # fmt: skip
+    }  # fmt: skip
+    result = dataset(recording.first(len(asked)), scene, about, statistics)
+    if behind:
+        everything = dataset(recording, scene, about, statistics)
+        result = joined(result, along_of(everything, scene.cable, settings.given, settings.record))
     if failure is None:
         return result
-    reached = recording.times[-1] if recording.times else 0.0
+    if not recording.times:
+        raise failure
     result.attrs["ended_early"] = str(failure)
-    raise RunError(str(failure), time=reached, partial=result)
+    raise RunError(str(failure), time=recording.times[-1], partial=result)
 
 
 def _save(driver: Driver, archive: Archive, settings: Settings) -> None:

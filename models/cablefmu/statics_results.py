@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from .cable import Cable
+from .cable import Cable, Floats
 from .files import replacing
 from .scene import Scene
 from .statics import ENDS, Equilibrium, Modes, end_stiffness, equilibrium, modes
 
-__all__ = ["STATICS_GROUPS", "is_over_time", "joined", "statics_dataset", "write_statics"]
+__all__ = ["STATICS_GROUPS", "is_over_time", "joined", "read_statics", "statics_dataset", "write_statics"]
 
 STATICS_GROUPS = ("modes", "stiffness")
 """What `record` takes besides variables: both are about the equilibrium for the inputs of the start."""
@@ -146,6 +146,26 @@ def write_statics(result: xr.Dataset, path: Path) -> list[Path]:
         rows = [[name, *row] for name, row in zip(ENDS, matrix, strict=True)]
         written.append(_write(path.with_suffix(".stiffness.csv"), [["force", *ENDS], *rows]))
     return written
+
+
+def read_statics(path: Path) -> dict[str, Floats]:
+    """What `write_statics` wrote beside the CSV `path`, as far as it is there: values by the names of variables."""
+    values: dict[str, Floats] = {}
+    if (modes_file := path.with_suffix(".modes.csv")).is_file():
+        head, numbers = _read(modes_file)
+        of_floater = {name: numbers[:, head.index(key)] for key, (name, _, _) in _OF_FLOATER.items() if key in head}
+        values |= {"frequency": numbers[:, 1], **of_floater, "mode_shape": numbers[:, 2 + len(of_floater) :]}
+    if (stiffness_file := path.with_suffix(".stiffness.csv")).is_file():
+        values["end_stiffness"] = _read(stiffness_file)[1][:, 1:]
+    return values
+
+
+def _read(path: Path) -> tuple[list[str], Floats]:
+    """Head and rows, with zeros for the first column, which counts or names them."""
+    with path.open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    numbers = [[0.0, *map(float, row[1:])] for row in rows]
+    return head, np.array(numbers).reshape(len(rows), len(head))
 
 
 def _write(path: Path, rows: Sequence[Sequence[object]]) -> Path:

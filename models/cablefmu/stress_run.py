@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .along import node_positions
 from .cable import Floats, Initial
 from .errors import CableError, OptionError, RunError, UserError
 from .fmu.archive import build_fmu
 from .fmu.platforms import for_this_machine
-from .plot import node_positions
 from .scene import Scene
 from .simulate import simulate
 from .stress_accelerations import acceleration_share

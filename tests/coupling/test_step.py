@@ -17,6 +17,7 @@ from cablefmu.coupling.step import Ended, make_stepper
 from cablefmu.coupling.system import System, opened
 from cablefmu.errors import RunError
 from tests.coupling.oscillators import error, oscillators
+from tests.coupling.ships import small
 from tests.coupling.vessels import exact_vessel, vessel
 
 ALGORITHMS = ("jacobi", "gauss-seidel", "iterated")
@@ -41,6 +42,17 @@ def test_error_is_of_the_order_of_the_inputs_plus_one(
         for h in STEPS
     ]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(extrapolation + 1, abs=NEAR)
+
+
+def test_first_steps_are_iterated_and_no_others(cables: Path) -> None:
+    """Two of 20 with quadratic inputs; what stops them says that it need not be."""
+    result = couple(oscillators(cables, step=0.1, extrapolation=2))
+    assert result.attrs["steps"] == 20
+    first = couple(oscillators(cables, step=0.1, extrapolation=2, algorithm="iterated")).isel(time=slice(0, 3))
+    assert result["a.y_m1"].values[:3].tolist() == first["a.y_m1"].values.tolist()
+    assert couple(oscillators(cables, step=0.1)).attrs["evaluations"] == 20 < result.attrs["evaluations"] < 40
+    with pytest.raises(RunError, match=r"from t = 0 s did not agree in 2 iterations: .*; extrapolation = 0 needs none"):
+        couple(oscillators(cables, step=0.1, extrapolation=2, more="iteration = { most = 2 }"))
 
 
 def test_what_knows_more_of_the_end_is_more_exact(cables: Path) -> None:
@@ -81,9 +93,30 @@ class Bench:
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_a_step_repeated_100_times_leaves_no_trace(fmi: int, algorithm: str, cables: Path) -> None:
-    """Five steps, of which the third is repeated or is not: every output has the same bits."""
+    once, often = once_and_100_times(oscillators(cables, algorithm=algorithm, extrapolation=2, fmi=fmi))
+    assert once == often
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_neither_does_an_iterated_step_of_a_vessel_and_its_cable(fmi: int, tmp_path: Path) -> None:
+    """Through the motion port: the vessel's place, velocity and acceleration one way, the cable's force the other."""
+    text = small(tmp_path).text
+    for old, new in (
+        ('"gauss-seidel"', '"iterated"'),
+        ("extrapolation = 1", "extrapolation = 2"),
+        ('"ship.toml"', f'"ship.toml"\nfmi = {fmi}'),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    once, often = once_and_100_times(Coupling.from_text(text, name="small", folder=tmp_path))
+    assert all(ended.evaluations > 1 for ended in once)
+    assert once == often
+
+
+def once_and_100_times(coupling: Coupling) -> list[list[Ended]]:
+    """Five steps of 20 ms, of which the third is taken once or 100 times: every output of both, in all its bits."""
     ends: list[list[Ended]] = []
-    with opened(oscillators(cables, algorithm=algorithm, extrapolation=2, fmi=fmi)) as system:
+    with opened(coupling) as system:
         for times in (1, 100):
             bench, steps = Bench(system), []
             for k in range(5):
@@ -92,7 +125,7 @@ def test_a_step_repeated_100_times_leaves_no_trace(fmi: int, algorithm: str, cab
             ends.append(steps)
             bench.close()
     assert len(ends[0][-1].outputs) > 20
-    assert ends[0] == ends[1]
+    return ends
 
 
 # --- a vessel lighter than what hangs on it ---

@@ -208,6 +208,16 @@ def test_models_that_cannot_do_what_is_asked_are_named(cables: Path, slave: Call
     assert "model quitter takes steps of one length alone; a multiple of the step is expected" in line
 
 
+def test_first_steps_that_cannot_be_iterated_are_said(cables: Path, slave: Callable[[str], Path]) -> None:
+    coupling = oscillators(cables, extrapolation=2)
+    with opened(coupling) as system:
+        assert system.starts_iterated and not any("first steps" in note for note in system.notes)
+    text = coupling.text + _WAVE.format(path=slave("stiff"))
+    with opened(Coupling.from_text(text, name="two", folder=cables)) as system:
+        assert not system.starts_iterated
+        assert "as these models cannot be rolled back: quitter" in system.notes[1]
+
+
 def test_a_model_without_connected_inputs_need_not_be_rolled_back(cables: Path) -> None:
     wave = '[[model]]\nname = "wave"\npartner = "wave_force"\n[[connection]]\nfrom = "wave.force"\nto = "a.F_cy"\n'
     with opened(

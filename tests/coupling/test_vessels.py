@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -11,11 +12,14 @@ from scipy.integrate import solve_ivp
 from cablefmu.cable import Floats
 from cablefmu.coupling import couple, load_coupling
 from cablefmu.coupling.description import Coupling
+from cablefmu.coupling.run import run_system
 from cablefmu.coupling.schema import ModelSpec
-from cablefmu.coupling.system import opened
+from cablefmu.coupling.system import System, opened, varied
+from cablefmu.coupling_report_truth import Truth, find_truth
 from cablefmu.reference import Reference
 from cablefmu.scene import load_scene
 from cablefmu.vessel import BodyTable, Vessel
+from tests.coupling.ships import NAMES, SCENE, STOP, small
 
 LARGEST = {"jacobi": 5e-4, "gauss-seidel": 2e-4, "iterated": 1e-5}
 """Distance from the whole system's motion [m] with inputs of order 2 and 20 ms steps: 3 times what was measured."""
@@ -89,6 +93,89 @@ def test_the_limit_is_the_motion_of_the_whole(algorithm: str, fmi: int, whole: F
 @pytest.fixture(scope="module")
 def whole() -> Floats:
     return whole_system(np.arange(41) * 0.2)
+
+
+# --- the vessel's mass inside, its springs outside; the vessel outside; all in one ---
+
+_FORCE_DRIVEN = """
+[coupling]
+stop_time = {stop}
+step = 0.1
+[[model]]
+name = "cable"
+scene = "floater.toml"
+parameters = {{ x_m1 = {body.x_0}, y_m1 = {body.y_0}, vx_m1 = {body.vx_0}, v_m1 = {body.vy_0} }}
+inputs = {{ F_cx = 0, F_cy = 0 }}
+"""
+_FLOATER = """
+kind = "floater"
+mass = {body.m_y}
+stiffness = 0
+damping = 0
+static_load = {body.static_load_y}
+stiffness_horizontal = 0
+damping_horizontal = 0
+static_pull = {pull}
+"""
+"""The vessel's mass and what pulls at it all the time, without springs."""
+_MOORING = """
+[[model]]
+name = "mooring_{axis}"
+partner = "spring"
+parameters = {{ stiffness = {stiffness}, damping = {damping} }}
+inputs = {{ y_b = 0, v_b = 0 }}
+[[connection]]
+from = "cable.{axis}_m1"
+to = "mooring_{axis}.y_a"
+[[connection]]
+from = "cable.{velocity}"
+to = "mooring_{axis}.v_a"
+[[connection]]
+from = "mooring_{axis}.F_a"
+to = "cable.{force}"
+"""
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[System, System, Truth]]:
+    """Motion-driven, force-driven, and vessel and cable in one FMU, checked by the dense model."""
+    folder = tmp_path_factory.mktemp("driven")
+    with opened(small(folder)) as motion:
+        body = Vessel.from_table(motion.models["vessel"].spec.vessel).table
+        assert isinstance(body, BodyTable)
+        top = _FLOATER.format(body=body, pull=body.static_load_x - body.external_x)
+        (folder / "floater.toml").write_text(SCENE.replace('kind = "motion"', top), encoding="utf-8")
+        text = _FORCE_DRIVEN.format(stop=STOP, body=body)
+        text += _MOORING.format(axis="x", stiffness=body.k_x, damping=body.c_x, velocity="vx_m1", force="u_m1x")
+        text += _MOORING.format(axis="y", stiffness=body.k_y, damping=body.c_y, velocity="v_m1", force="u_m1")
+        with opened(Coupling.from_text(text, name="force", folder=folder)) as force:
+            yield motion, force, find_truth(motion)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "extrapolation", "order"), [("jacobi", 0, 1), ("gauss-seidel", 1, 2), ("jacobi", 2, 3)]
+)
+def test_mass_inside_and_mass_outside_tend_to_the_whole(
+    algorithm: str, extrapolation: int, order: int, driven: tuple[System, System, Truth]
+) -> None:
+    """Force-driven: springs pull at a floater that has the vessel's mass. Motion-driven: the vessel moves the cable."""
+    motion, force, truth = driven
+    names = {"vessel.x": "cable.x_m1", "vessel.y": "cable.y_m1", "cable.x_c": "cable.x_c", "cable.y_c": "cable.y_c"}
+    assert names.keys() == set(NAMES)
+    errors, apart = [], []
+    for step in (0.05, 0.025, 0.0125):
+        outside, inside = (
+            run_system(varied(system, algorithm=algorithm, extrapolation=extrapolation, step=step))
+            for system in (motion, force)
+        )
+        right = truth.at(outside["time"].values)
+        both = np.array([[outside[a].values - right[a], inside[b].values - right[a]] for a, b in names.items()])
+        errors.append(np.abs(both).max(axis=(0, 2)))
+        apart.append(np.abs(both[:, 0] - both[:, 1]).max())
+    observed = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert observed == pytest.approx(np.full((2, 2), float(order)), abs=0.3), errors
+    assert np.log2(apart[0] / apart[-1]) == pytest.approx(2.0 * order, abs=0.6)
+    assert errors[-1].min() > 10.0 * truth.good_to  # what was measured is the coupling
 
 
 def test_a_bodys_force_follows_slopes_unless_its_table_says_otherwise() -> None:

@@ -70,7 +70,9 @@ class Adaptive:
             while error > 1.0 and self._system.can_repeat:
                 self.rejected += 1
                 if end - time <= smallest:
-                    raise RunError(f"{where}: a step below {smallest:g} s would be needed at t = {time:.12g} s")
+                    raise RunError(
+                        f"{where}: a step below {smallest:g} s would be needed at t = {time:.12g} s; {self._advice}"
+                    )
                 size = max(self._next(end - time, error), smallest)
                 end = time + size
                 ended, error, where = self._tried(time, end, judged=True)
@@ -82,6 +84,14 @@ class Adaptive:
             size = min(max(self._next(end - time, error), smallest), largest)
             time = end
         raise RunError(f"more than {_MOST_STEPS:,} steps")
+
+    @property
+    def _advice(self) -> str:
+        """What a user can do where steps get too short."""
+        text = "a smaller adaptive.smallest or a larger adaptive.tolerance is expected"
+        if self._system.loops and self._system.settings.algorithm != "iterated":
+            text += '; if none is small enough, the delayed loop is unstable, and algorithm = "iterated" is'
+        return text
 
     def _next(self, size: float, error: float) -> float:
         order = self._exchange.order + 1

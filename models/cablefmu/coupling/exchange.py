@@ -61,6 +61,11 @@ class Exchange:
             )
             self.scale[k] = max(self.scale[k], abs(value))
 
+    @property
+    def is_short(self) -> bool:
+        """Whether there are fewer samples of the past than the order needs."""
+        return any(len(samples) <= self.order for samples in self.samples)
+
     def polynomial(self, k: int, newest: Sample | None = None) -> Polynomial:
         """What connection k carries inside a step, through a newest sample besides those accepted."""
         samples = self.samples[k] if newest is None else [*self.samples[k], newest]

@@ -18,10 +18,12 @@ from ..errors import FmuError, UserError
 from ..fmu.archive import build_fmu, open_fmu
 from ..fmu.python_slave import partner_script, without_traces
 from ..fmu.vessel import build_vessel
+from ..fmu.waves import build_waves
 from ..scene import Scene, load_scene
 from ..scene_mistakes import Mistake, nearest
 from ..signals import Constant
 from ..vessel import Vessel
+from ..waves import Waves
 from .description import Coupling
 from .schema import ModelSpec, Value
 
@@ -155,7 +157,7 @@ def open_models(
         try:
             model = _open(coupling, spec, folder, platforms)
         except (UserError, _RefusedError) as error:
-            key = next(key for key in ("scene", "fmu", "partner", "vessel") if getattr(spec, key) is not None)
+            key = next(key for key in ("scene", "fmu", "partner", "vessel", "waves") if getattr(spec, key) is not None)
             mistakes.append(Mistake(f"model {k}.{key}", str(error)))  # which says what was named
             continue
         mistakes += [Mistake(f"model {k}.{key}", text, value) for key, text, value in _wrong_values(model)]
@@ -177,6 +179,8 @@ def _open(coupling: Coupling, spec: ModelSpec, folder: Path, platforms: Collecti
         path = _build_partner(spec.partner, target)
     elif spec.vessel is not None:
         path = build_vessel(_vessel(coupling, spec), target)
+    elif spec.waves is not None:
+        path = build_waves(Waves.from_table(spec.waves, name=spec.name, source=f"{spec.name}.waves"), target)
     else:
         assert spec.fmu is not None
         path = coupling.folder / spec.fmu

@@ -71,6 +71,8 @@ class ModelSpec(Table):
     """A partner FMU that ships with this package."""
     vessel: dict[str, Any] | None = None
     """A vessel's table: its FMU is built."""
+    waves: dict[str, Any] | None = None
+    """A sea's table: its FMU is built."""
     fmi: Literal[2, 3] | None = None
     """Version of FMI that a scene is built for."""
     parameters: Annotated[dict[str, Value], Field(default_factory=dict)]
@@ -79,7 +81,7 @@ class ModelSpec(Table):
     feedthrough: bool = True
     """false: where its description leaves open what an output depends on, it is the state alone."""
 
-    one_of = (("scene", "fmu", "partner", "vessel"),)
+    one_of = (("scene", "fmu", "partner", "vessel", "waves"),)
 
 
 class ConnectionSpec(Table):

@@ -4,6 +4,10 @@ Jacobi: all models step with inputs from the past. Gauss-Seidel: one after the o
 step's end. Iterated: so again and again from the same state, until what they were given for the end is what they say
 there. An input follows a polynomial through its newest samples, of the order `extrapolation`: of the past in
 Jacobi, where it extrapolates, through the end of the step where that is known.
+
+The first `extrapolation` steps have too few samples for that. Inputs held in a first step of length h leave an error
+of h^2 behind, which a body remembers. So those steps are iterated, whatever the algorithm, where models can go back:
+inputs are interpolated then, and what is left is of the order of all other steps.
 """
 
 from __future__ import annotations
@@ -49,7 +53,11 @@ def make_stepper(system: System, partners: Mapping[str, Partner], exchange: Exch
         "gauss-seidel": _GaussSeidel,
         "iterated": _Iterated,
     }
-    return kinds[system.settings.algorithm](system, partners, exchange, is_final=not may_repeat)
+    stepper = kinds[system.settings.algorithm](system, partners, exchange, is_final=not may_repeat)
+    if isinstance(stepper, _Iterated) or not system.starts_iterated:
+        return stepper
+    starter = _Iterated(system, partners, exchange, is_final=not may_repeat)
+    return lambda time, end: (starter if exchange.is_short else stepper)(time, end)
 
 
 def outputs_of(partners: Mapping[str, Partner]) -> dict[Variable, float]:
@@ -159,7 +167,10 @@ class _Iterated(_Base):
         except NotFoundError as error:
             where = worst(error.residual, guessed, self.exchange)
             most = self.system.settings.iteration.most
-            raise RunError(f"the step from t = {time:.12g} s did not agree in {most} iterations: {where}") from None
+            text = f"the step from t = {time:.12g} s did not agree in {most} iterations: {where}"
+            if self.system.settings.algorithm != "iterated":
+                text += "; the first steps are iterated so that extrapolation can begin; extrapolation = 0 needs none"
+            raise RunError(text) from None
         finally:
             for name, state in states.items():
                 self.partners[name].forget(state)

@@ -64,6 +64,16 @@ class System:
         return all(model.can_roll_back for model in self.models.values())
 
     @property
+    def starts_iterated(self) -> bool:
+        """Whether the first steps, which have too few samples, are iterated: where the models can go back."""
+        return self.settings.extrapolation > 0 and not self.fixed
+
+    @property
+    def fixed(self) -> list[str]:
+        """Models with connected inputs that cannot be rolled back."""
+        return [name for name in self.iterated if not self.models[name].can_roll_back]
+
+    @property
     def notes(self) -> list[str]:
         """What the user should know of this coupling before it runs."""
         notes = []
@@ -71,6 +81,12 @@ class System:
             names = ", ".join(map(str, self.holding))
             notes.append(
                 f"held inside a step at the value extrapolated to its end, as the FMU takes no slopes: {names}"
+            )
+        if self.settings.extrapolation == 2 and self.fixed:
+            names = ", ".join(self.fixed)
+            notes.append(
+                "the first steps have inputs of lower order, which leaves an error of the step squared, "
+                f"as these models cannot be rolled back: {names}"
             )
         if self.settings.adaptive and not self.can_repeat:
             names = ", ".join(name for name, model in self.models.items() if not model.can_roll_back)
@@ -140,10 +156,9 @@ def _wrong_settings(system: System) -> Iterator[Mistake]:
     if settings.stop_time / settings.step > _MOST_STEPS:
         yield Mistake("coupling.step", f"more than {_MOST_STEPS:,} steps; a longer one is expected", settings.step)
     if settings.algorithm == "iterated":
-        for name in system.iterated:
-            if not system.models[name].can_roll_back:
-                text = f"model {name} cannot be rolled back (canGetAndSetFMUstate); jacobi or gauss-seidel is expected"
-                yield Mistake("coupling.algorithm", text, settings.algorithm)
+        for name in system.fixed:
+            text = f"model {name} cannot be rolled back (canGetAndSetFMUstate); jacobi or gauss-seidel is expected"
+            yield Mistake("coupling.algorithm", text, settings.algorithm)
     else:
         for loop in system.loops:
             if not any(connection.delayed for connection in loop):
