@@ -1,7 +1,7 @@
 """Draw docs/hydrodynamics.svg: coefficients that ship, and the filters that stand for them.
 
-    pip install -e '.[plot]'
-    python fmu_src/hydrodynamics/figure.py
+pip install -e '.[plot]'
+python fmu_src/hydrodynamics/figure.py
 """
 
 from __future__ import annotations
