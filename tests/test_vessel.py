@@ -57,21 +57,21 @@ def test_samples_are_found_beside_the_table_by_the_names_of_their_columns(tmp_pa
     assert made.samples == {"time": (0, 1, 2.5, 3), "x": (1, 1.5, 1, -1), "y": (0, 0.1, 0.2, 0.3)}
 
 
+ALLOWED = "allowed: body, sines, csv, floating, excitation"
+
 MISTAKES: dict[str, tuple[object, list[str]]] = {
     "no table": ([1], ["ship.toml: vessel: a table is expected"]),
-    "no kind": ({"m_x": 1.0}, ["ship.toml: vessel.kind: this key is missing; allowed: body, sines, csv"]),
-    "other kind": (
-        {"kind": "sine"}, ['ship.toml: vessel.kind = "sine": the nearest is "sines"; allowed: body, sines, csv']
-    ),
-    "kind is no text": ({"kind": 3}, ["ship.toml: vessel.kind = 3: allowed: body, sines, csv"]),
+    "no kind": ({"m_x": 1.0}, [f"ship.toml: vessel.kind: this key is missing; {ALLOWED}"]),
+    "other kind": ({"kind": "sine"}, [f'ship.toml: vessel.kind = "sine": the nearest is "sines"; {ALLOWED}']),
+    "kind is no text": ({"kind": 3}, [f"ship.toml: vessel.kind = 3: {ALLOWED}"]),
     "body": (
         {"kind": "body", "m_x": -1, "k_y": "3 m", "c_x": True, "extrapolation": 3, "mass": 5},
         [
-            "ship.toml: vessel.m_x = -1: a mass must be greater than 0",
-            "ship.toml: vessel.m_y: this key is missing; a mass [kg] is expected",
             "ship.toml: vessel.c_x = true: a damping [N s/m] is expected",
             'ship.toml: vessel.k_y = "3 m": a stiffness [N/m] is expected',
             'ship.toml: vessel.extrapolation = 3: allowed: 0 (held), 1 (linear), 2 (quadratic), or "given"',
+            "ship.toml: vessel.m_x = -1: a mass must be greater than 0",
+            "ship.toml: vessel.m_y: this key is missing; a mass [kg] is expected",
             "ship.toml: vessel.mass = 5: unknown key; ",
         ],
     ),

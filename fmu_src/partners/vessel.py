@@ -1,10 +1,7 @@
 """A partner FMU: a vessel that moves a cable's fairlead in the plane.
 
-It follows sines or samples, or is a rigid body on springs and dampers that the cable pulls at. Each axis is on
-its own: m q'' + c q' + k q = F(t) + external - static_load is linear, so a communication step is the exact
-exponential of its matrix, with F a polynomial within the step, and there is no step size to tune.
-
-Not hydrodynamics: no waves, no added mass that depends on frequency, no rotation. SI, x right, y down; x and y are
+It follows sines or samples, or is a body that forces move: on springs and dampers that the cable pulls at, or floating
+in waves (bodies.py, which lies beside it then). No rotation. SI, x right, y down; x and y are
 displacements from the rest position. Everything that a kind needs stands in resources/vessel.json; beside pythonfmu
 the host's Python needs scipy alone. Whatever raises here is fatal for the instance: pythonfmu 0.7 knows no milder
 refusal but the discarded step, which FMPy's `simulate_fmu` takes for a run that ended well. It passes no input
@@ -17,22 +14,31 @@ import ctypes
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import lru_cache, partial
-from itertools import pairwise
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pythonfmu import Fmi2Slave, Real
 from scipy.interpolate import CubicSpline
-from scipy.linalg import expm
 
 AXES = ("x", "y")
 
 Movement = tuple[float, float, float]
 """Displacement [m], velocity [m/s], acceleration [m/s2] along one axis."""
+Outputs = dict[str, float]
+
+
+def named(movements: Iterable[Movement]) -> Outputs:
+    """Outputs of movements along x and y."""
+    return {
+        f"{order}{axis}": value
+        for axis, movement in zip(AXES, movements, strict=True)
+        for order, value in zip(("", "v", "a"), movement, strict=True)
+    }
 
 
 # --- motion that is given ---
@@ -54,10 +60,10 @@ class Sines:
         self.parameters = parameters
         self.count: Mapping[str, int] = about["sines"]
 
-    def at(self, time: float, inputs: Mapping[str, float]) -> list[Movement]:
+    def at(self, time: float, inputs: Mapping[str, float]) -> Outputs:
         r, dr, ddr = growth(time, self.parameters["ramp"])
         sums = [self.sum(axis, time) for axis in AXES]
-        return [(r * q, dr * q + r * v, ddr * q + 2.0 * dr * v + r * a) for q, v, a in sums]
+        return named((r * q, dr * q + r * v, ddr * q + 2.0 * dr * v + r * a) for q, v, a in sums)
 
     def sum(self, axis: str, time: float) -> Movement:
         q = v = a = 0.0
@@ -88,14 +94,14 @@ class Samples:
         self.file: str = about["file"]
         self.spline = CubicSpline(self.times, np.transpose([about["samples"][axis] for axis in AXES]))
 
-    def at(self, time: float, inputs: Mapping[str, float]) -> list[Movement]:
+    def at(self, time: float, inputs: Mapping[str, float]) -> Outputs:
         first, last = self.times[0], self.times[-1]
         slack = drift(time, 0.0)
         if not first - slack <= time <= last + slack:
             raise ValueError(f"t = {time:.9g} s: the motion in {self.file} is known from {first:.9g} s to {last:.9g} s")
         inside = min(max(time, first), last)
         q, v, a = (self.spline(inside, order).tolist() for order in range(3))
-        return list(zip(q, v, a, strict=True))
+        return named(zip(q, v, a, strict=True))
 
     def advance(self, time: float, step: float, inputs: Mapping[str, float]) -> None:
         """Nothing but time goes on, as far as there are samples."""
@@ -108,96 +114,8 @@ class Samples:
         """There is nothing to remember."""
 
 
-# --- a body that is pulled at ---
-
-
-@lru_cache(maxsize=256)
-def propagator(stiffness: float, damping: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """What one step makes of (q, w, G, G', G''), as rows for q and w.
-
-    Time is counted in steps h, so that numbers of any size agree: w = v h, G = f h^2/m and its derivatives with
-    respect to t/h, stiffness = k h^2/m, damping = c h/m. Then q' = w, w' = G - stiffness q - damping w, and G''' = 0.
-    """
-    matrix = np.diag([1.0, 1.0, 1.0, 1.0], 1)
-    matrix[1, :2] = -stiffness, -damping
-    with np.errstate(all="ignore"):  # what is not finite is refused
-        rows = expm(matrix)[:2].tolist()
-    return tuple(rows[0]), tuple(rows[1])
-
-
-def at_end(force: tuple[float, float, float], step: float) -> float:
-    """What a force with these derivatives at the beginning of a step is at its end."""
-    return force[0] + step * (force[1] + step / 2.0 * force[2])
-
-
-class Body:
-    """A mass on a spring and a damper along each axis, without coupling between the axes."""
-
-    def __init__(self, about: Mapping[str, Any], parameters: Mapping[str, float]) -> None:
-        self.parameters = parameters
-        self.extrapolation: int | str = about["extrapolation"]
-        self.place = [[parameters[f"{axis}_0"], parameters[f"v{axis}_0"]] for axis in AXES]
-        # Forces at the beginnings of the last steps, the latest first: time, force along x, along y.
-        self.past: list[list[float]] = []
-
-    def of(self, axis: str, *names: str) -> list[float]:
-        return [self.parameters[f"{name}_{axis}"] for name in names]
-
-    def at(self, time: float, inputs: Mapping[str, float]) -> list[Movement]:
-        moving = []
-        for axis, (q, v) in zip(AXES, self.place, strict=True):
-            m, c, k, external, static_load = self.of(axis, "m", "c", "k", "external", "static_load")
-            moving.append((q, v, (inputs[f"F_{axis}"] + external - static_load - k * q - c * v) / m))
-        return moving
-
-    def advance(self, time: float, step: float, inputs: dict[str, float]) -> None:
-        forces = [self.force(place, time, inputs) for place in range(len(AXES))]
-        moved = [self.moved(place, step, force) for place, force in enumerate(forces)]
-        if not all(math.isfinite(value) for both in moved for value in both):
-            raise ValueError(f"doStep at t = {time:.9g} s: the step leads to no finite number; the force is too large")
-        if self.extrapolation == "given":  # acceleration at the end is that of the force there
-            inputs |= {f"F_{axis}": at_end(force, step) for axis, force in zip(AXES, forces, strict=True)}
-        kept = self.extrapolation if isinstance(self.extrapolation, int) else 0
-        self.place, self.past = moved, [[time, *(force[0] for force in forces)], *self.past][:kept]
-
-    def force(self, place: int, time: float, inputs: Mapping[str, float]) -> tuple[float, float, float]:
-        """The cable's force at the step's beginning and its first two time derivatives, constant from there."""
-        axis = AXES[place]
-        now = inputs[f"F_{axis}"]
-        if self.extrapolation == "given":
-            return now, inputs[f"der(F_{axis})"], inputs[f"der(F_{axis},2)"]
-        # Newton's divided differences through now and what there is of the past: the first step holds.
-        known = [(time, now), *((entry[0], entry[1 + place]) for entry in self.past)]
-        slopes = [(f1 - f0) / (t1 - t0) for (t1, f1), (t0, f0) in pairwise(known)]
-        if len(slopes) < 2:
-            return now, slopes[0] if slopes else 0.0, 0.0
-        bend = (slopes[0] - slopes[1]) / (known[0][0] - known[2][0])
-        return now, slopes[0] + bend * (known[0][0] - known[1][0]), 2.0 * bend
-
-    def moved(self, place: int, step: float, force: tuple[float, float, float]) -> list[float]:
-        """Displacement and velocity at the step's end."""
-        m, c, k, external, static_load = self.of(AXES[place], "m", "c", "k", "external", "static_load")
-        q, v = self.place[place]
-        h, hh = step, step * step
-        stiffness, damping = k * hh / m, c * h / m
-        if not (math.isfinite(stiffness) and math.isfinite(damping)):
-            return [math.inf, math.inf]
-        total = force[0] + external - static_load
-        scaled = (q, v * h, total * hh / m, force[1] * hh * h / m, force[2] * hh * hh / m)
-        q, w = (
-            sum(factor * value for factor, value in zip(row, scaled, strict=True))
-            for row in propagator(stiffness, damping)
-        )
-        return [q, w / h]
-
-    def memory(self) -> list[Any]:
-        return [self.place, self.past]
-
-    def recall(self, memory: list[Any]) -> None:
-        self.place, self.past = memory
-
-
-MOTIONS: dict[str, type[Sines] | type[Samples] | type[Body]] = {"sines": Sines, "csv": Samples, "body": Body}
+MOTIONS: dict[str, Any] = {"sines": Sines, "csv": Samples}
+"""Kinds that are here; the others are in the module that resources/vessel.json names."""
 
 
 # --- what the host sees ---
@@ -222,7 +140,7 @@ class Vessel(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self.least = {entry["name"]: entry["least"] for entry in self.listed("parameter")}
         self.time, self.stop_time, self.initialised = 0.0, math.inf, False
         self.motion = self.at_start()
-        self.known: list[Movement] | None = None
+        self.known: Outputs | None = None
         for reference, entry in enumerate(self.about["variables"]):
             name = entry["name"]
             real = Real(name, getter=partial(self.get, name), setter=partial(self.set, name))
@@ -232,8 +150,9 @@ class Vessel(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     def listed(self, causality: str) -> list[dict[str, Any]]:
         return [entry for entry in self.about["variables"] if entry["causality"] == causality]
 
-    def at_start(self) -> Sines | Samples | Body:
-        return MOTIONS[self.about["kind"]](self.about, self.parameters)
+    def at_start(self) -> Any:
+        kinds = import_module(self.about["module"]).KINDS if "module" in self.about else MOTIONS
+        return kinds[self.about["kind"]](self.about, self.parameters)
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         with self.freed_once():
@@ -280,14 +199,13 @@ class Vessel(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             return self.parameters[name]
         if name in self.inputs:
             return self.inputs[name]
-        order = {"v": 1, "a": 2}.get(name[0], 0)
-        return self.moving()[AXES.index(name[-1])][order]
+        return self.now()[name]
 
-    def moving(self) -> list[Movement]:
-        """The fairlead's movement now; worked out anew after anything changed."""
+    def now(self) -> Outputs:
+        """All outputs; worked out anew after anything changed."""
         if self.known is None:
-            found = self.motion.at(self.time, self.inputs)
-            if not all(math.isfinite(value) for movement in found for value in movement):
+            found: Outputs = self.motion.at(self.time, self.inputs)
+            if not all(math.isfinite(value) for value in found.values()):
                 raise ValueError(f"at t = {self.time:.9g} s the vessel's motion is no finite number")
             self.known = found
         return self.known

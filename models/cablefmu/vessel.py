@@ -1,26 +1,29 @@
-"""Vessels as tables: what moves a cable's fairlead in the plane, in one of three kinds.
+"""Vessels as tables: what moves a cable's fairlead in the plane, in one of several kinds.
 
-A vessel follows sines, or samples from a CSV file, or is a rigid body on springs and dampers that the cable pulls
-at. The table is one of a coupling's or of a user's own TOML file, with values in SI or as texts with units. Whatever is
-wrong with it is said at once, in one `VesselError`. SI, x to the right, y down, both from the rest position.
+A vessel follows sines, or samples from a CSV file, or is a rigid body on springs and dampers that the cable pulls at,
+or floats in waves; of one that is held the force of waves alone is told. The table is one of a coupling's or of a
+user's own TOML file, with values in SI or as texts with units. Whatever is wrong with it is said at once, in one
+`VesselError`. SI, x to the right, y down, both from the rest position.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator, StrictStr, ValidationError, ValidationInfo, field_validator
+from pydantic import AfterValidator, BeforeValidator, StrictStr, ValidationError, ValidationInfo, field_validator
 
 from cablefmu import units as u
 from cablefmu.errors import VesselError
+from cablefmu.hydrodynamics.database import SHIPPED, DatabaseError, Hydrodynamics, read_database, shipped_database
 from cablefmu.scene_mistakes import Mistake, mistakes_of, nearest
 from cablefmu.scene_table import Context, Table, context_of
 from cablefmu.signals import CsvError, Sampled, read_csv
 
-__all__ = ["BodyTable", "CsvTable", "SineTable", "SinesTable", "Vessel"]
+__all__ = ["BodyTable", "CsvTable", "ExcitationTable", "FloatingTable", "SineTable", "SinesTable", "Vessel"]
 
 FEWEST_SAMPLES = 4
 """Of a cubic spline that needs no condition at its ends (not-a-knot)."""
@@ -107,13 +110,9 @@ def _extrapolation(value: object) -> object:
 Extrapolation = Literal[0, 1, 2, "given"]
 
 
-class BodyTable(Table):
-    """m q'' + c q' + k q = F + external - static_load along each axis; F is the force that the cable exerts."""
+class _MovedTable(Table):
+    """What all bodies that forces move have in common."""
 
-    kind: Literal["body"]
-    m_x: u.Mass
-    """What has to be moved along x, with the water that goes along (added mass)."""
-    m_y: u.Mass
     c_x: u.Damping = 0.0
     c_y: u.Damping = 0.0
     k_x: u.Stiffness = 0.0
@@ -134,12 +133,72 @@ class BodyTable(Table):
     """At the start."""
     vy_0: Velocity = 0.0
     extrapolation: Annotated[Extrapolation, BeforeValidator(_extrapolation)] = 0
-    """How the cable's force goes on within a communication step: order of a polynomial through its last values."""
+    """How inputs go on within a communication step: order of a polynomial through their last values."""
 
 
-VesselTable = BodyTable | SinesTable | CsvTable
+class BodyTable(_MovedTable):
+    """m q'' + c q' + k q = F + external - static_load along each axis; F is the force that the cable exerts."""
+
+    kind: Literal["body"]
+    m_x: u.Mass
+    """What has to be moved along x, with the water that goes along (added mass)."""
+    m_y: u.Mass
+
+
+def _known_body(body: str, info: ValidationInfo) -> str:
+    """Body that ships, or a file of coefficients that can be read."""
+    context = context_of(info)
+    if context is not None:
+        try:
+            database_of(body, context.read)
+        except (CsvError, DatabaseError) as mistake:
+            raise u.refusal(str(mistake)) from None
+    return body
+
+
+def _symmetric(points: tuple[float, ...]) -> tuple[float, ...]:
+    rising = all(a < b for a, b in pairwise(points))
+    if not points or not rising or any(a != -b for a, b in zip(points, reversed(points), strict=True)):
+        raise u.refusal("places that rise and lie alike on both sides of 0 are expected, for example [-1.0, 0.0, 1.0]")
+    return points
+
+
+Body = Annotated[StrictStr, AfterValidator(_known_body)]
+Points = Annotated[tuple[Displacement, ...], AfterValidator(_symmetric)]
+
+
+class FloatingTable(_MovedTable):
+    """A body that floats in waves and radiates them, in surge and heave, by the coefficients of a database."""
+
+    kind: Literal["floating"]
+    body: Body
+    """"buoy", "barge", or a NetCDF file."""
+    mass: u.Mass | None = None
+    """What moves, without water; as much as is displaced where it is not given."""
+    points: Points | None = None
+    """Places along x where the elevation is an input; those that the database names where they are not given."""
+
+
+class ExcitationTable(Table):
+    """The same body held at its rest position: the force of waves on it, and no motion."""
+
+    kind: Literal["excitation"]
+    body: Body
+    points: Points | None = None
+    extrapolation: Annotated[Extrapolation, BeforeValidator(_extrapolation)] = 0
+    """How elevations go on within a communication step."""
+
+
+def database_of(body: str, read: Callable[[str], bytes]) -> Hydrodynamics:
+    """Coefficients of a body that ships, or of the file that `body` names."""
+    if body not in SHIPPED and not body.endswith(".nc"):
+        raise DatabaseError(f"{nearest(body, SHIPPED)}, or a NetCDF file NAME.nc")
+    return read_database(shipped_database(body) if body in SHIPPED else read(body))
+
+
+VesselTable = BodyTable | SinesTable | CsvTable | FloatingTable | ExcitationTable
 _KINDS: dict[str, type[VesselTable]] = {
-    "body": BodyTable, "sines": SinesTable, "csv": CsvTable
+    "body": BodyTable, "sines": SinesTable, "csv": CsvTable, "floating": FloatingTable, "excitation": ExcitationTable
 }  # fmt: skip
 
 
@@ -152,6 +211,8 @@ class Vessel:
     table: VesselTable
     samples: Mapping[str, tuple[float, ...]]
     """Of kind "csv": time [s], x and y [m], of equal length; else none."""
+    hydrodynamics: Hydrodynamics | None = None
+    """Of kinds "floating" and "excitation"."""
 
     @classmethod
     def from_table(
@@ -162,7 +223,7 @@ class Vessel:
         Parameters
         ----------
         table
-            With `kind` ("body", "sines" or "csv") and the keys of that kind.
+            With `kind` ("body", "sines", "csv", "floating" or "excitation") and the keys of that kind.
         name
             Of the vessel; its FMU is called so.
         folder
@@ -184,7 +245,8 @@ class Vessel:
 
         made = _validated(table, Context(None, read), source)
         samples = read_samples(read(made.file)) if isinstance(made, CsvTable) else {}
-        return cls(name, made, samples)
+        body = made.body if isinstance(made, FloatingTable | ExcitationTable) else None
+        return cls(name, made, samples, None if body is None else database_of(body, read))
 
 
 def _validated(table: object, context: Context, source: str) -> VesselTable:

@@ -31,10 +31,15 @@ def kinds(build: Build, tmp_path_factory: pytest.TempPathFactory) -> dict[str, P
     times = np.arange(41) * 0.25
     file = write_csv(tmp_path_factory.mktemp("csv") / "m.csv", times, np.sin(times), np.cos(times))
     bodies = {f"body-{e}": build(**BODY, extrapolation=e, name=f"body-{e}") for e in (0, 1, 2, "given")}
-    return {"sines": build(**SINES), "csv": build(kind="csv", file=file), **bodies}
+    waves = {
+        f"{kind}-{e}": build(kind=kind, body="buoy", extrapolation=e, name=f"{kind}-{e}")
+        for kind, e in (("floating", 2), ("excitation", "given"))
+    }
+    return {"sines": build(**SINES), "csv": build(kind="csv", file=file), **bodies, **waves}
 
 
-KINDS = ("sines", "csv", "body-0", "body-1", "body-2", "body-given")
+WAVES = ("floating-2", "excitation-given")
+KINDS = ("sines", "csv", "body-0", "body-1", "body-2", "body-given", *WAVES)
 
 
 def pull(host: Host, t: float) -> None:

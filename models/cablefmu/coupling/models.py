@@ -221,9 +221,9 @@ PARTNERS = ("spring", "wave_force")
 
 
 def _vessel(coupling: Coupling, spec: ModelSpec) -> Vessel:
-    """A body takes the slopes of its force as inputs of its own, unless its table says otherwise."""
+    """Bodies take the slopes of their inputs as inputs of their own, unless the table says otherwise."""
     table = spec.vessel or {}
-    given = {"extrapolation": "given"} if table.get("kind") == "body" else {}
+    given = {"extrapolation": "given"} if table.get("kind") in ("body", "floating", "excitation") else {}
     return Vessel.from_table({**given, **table}, name=spec.name, folder=coupling.folder, source=f"{spec.name}.vessel")
 
 

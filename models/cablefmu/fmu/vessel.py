@@ -1,6 +1,7 @@
 """The FMU of a vessel, built by pythonfmu: FMI 2, Co-Simulation.
 
-The slave itself is fmu_src/partners/vessel.py, which travels in the package's binaries/partners. It reads what it is
+The slave itself is fmu_src/partners/vessel.py, with bodies.py for what forces move; both travel in the package's
+binaries/partners. It reads what it is
 to do from resources/vessel.json, so that all vessels share one script.
 """
 
@@ -14,13 +15,14 @@ from typing import Any
 
 from ..errors import OptionError
 from ..files import check_writable, replacing
-from ..vessel import BodyTable, CsvTable, SinesTable, Vessel
+from ..vessel import BodyTable, CsvTable, ExcitationTable, FloatingTable, SinesTable, Vessel
 from .archive import write_zip
 from .description import describe, model_identifier
 from .licence import LICENCE, slave_licence
 from .python_slave import partner_script, slave_description, slave_members
 from .resource import token_of
 from .variables import FRAME, Kind, Variable
+from .vessel_waves import in_waves, mass_of, places_of
 
 __all__ = ["build_vessel", "vessel_variables"]
 
@@ -63,11 +65,13 @@ def build_vessel(vessel: Vessel | Mapping[str, Any], output: str | Path | None =
 
 
 def _members(vessel: Vessel) -> dict[str, bytes]:
-    script = partner_script("vessel")
-    # The same name for the same script alone: vessels of two versions of it do not get into each other's way.
-    module = f"vessel_{hashlib.sha256(script).hexdigest()[:12]}"
+    script, module = _script("vessel")
     variables = vessel_variables(vessel)
-    beside = {_RESOURCE: json.dumps(_about(vessel, variables), indent=1).encode()}
+    about, beside = _about(vessel, variables), {}
+    if not isinstance(vessel.table, SinesTable | CsvTable):
+        bodies, about["module"] = _script("bodies")
+        beside[f"{about['module']}.py"] = bodies
+    beside[_RESOURCE] = json.dumps(about, indent=1).encode()
     members = slave_members(script, module=module, beside=beside)
     native = describe(
         2, name=vessel.name, description=f"{_WHAT[vessel.table.kind]} {_REMARK}",
@@ -78,10 +82,18 @@ def _members(vessel: Vessel) -> dict[str, bytes]:
     return members
 
 
+def _script(name: str) -> tuple[bytes, str]:
+    """A script, and its module: the same name for the same script alone, as vessels of two versions share a process."""
+    script = partner_script(name)
+    return script, f"{name}_{hashlib.sha256(script).hexdigest()[:12]}"
+
+
 _WHAT = {
     "body": "A vessel on springs and dampers that a cable pulls at; its fairlead moves in the plane.",
     "sines": "A vessel that follows sines; its fairlead moves in the plane.",
     "csv": "A vessel that follows samples by cubic splines; its fairlead moves in the plane.",
+    "floating": "A vessel that floats in waves, in surge and heave, and that a cable pulls at.",
+    "excitation": "The force of waves on a vessel that is held.",
 }
 
 
@@ -100,6 +112,9 @@ def _about(vessel: Vessel, variables: list[Variable]) -> dict[str, Any]:
             about["extrapolation"] = table.extrapolation
         case SinesTable():
             about["sines"] = {"x": len(table.x or ()), "y": len(table.y or ())}
+        case FloatingTable() | ExcitationTable():
+            about["extrapolation"] = table.extrapolation
+            about |= in_waves(vessel)
         case CsvTable():
             about |= {"file": Path(table.file).name, "samples": vessel.samples}
     return about
@@ -145,38 +160,57 @@ def vessel_variables(vessel: Vessel) -> list[Variable]:
         variables.append(Variable(reference, name, kind, 0, unit, f"{description}; {FRAME}", **more))
         return reference
 
-    for name, unit, start, minimum, text in _parameters(table):
+    for name, unit, start, minimum, text in _parameters(vessel):
         add(
             name, Kind.PARAMETER, unit, text, causality="parameter", variability="fixed", initial="exact",
             start=start, minimum=minimum,
         )  # fmt: skip
     force: dict[str, tuple[int, ...]] = dict.fromkeys(_AXES, ())
-    if isinstance(table, BodyTable):
-        continuous = {"causality": "input", "variability": "continuous", "start": 0.0}
+    continuous = {"causality": "input", "variability": "continuous", "start": 0.0}
+
+    def add_input(name: str, unit: str, text: str, given: bool, **more: Any) -> int:
+        place = add(name, Kind.INPUT, unit, text, **more, **continuous)
+        if given:
+            what = f"time derivative of {name} at the beginning of a step"
+            rate = add(f"der({name})", Kind.INPUT, f"{unit}/s", f"First {what}", derivative_of=place, **continuous)
+            add(f"der({name},2)", Kind.INPUT, f"{unit}/s2", f"Second {what}", derivative_of=rate, **continuous)
+        return place
+
+    if isinstance(table, BodyTable | FloatingTable):
         for axis, way in _AXES.items():
             text = f"Force that the cable exerts on the vessel along {axis}, positive {way}"
-            place = add(f"F_{axis}", Kind.INPUT, "N", text, nominal=1000.0, **continuous)
-            force[axis] = (place,)
-            if table.extrapolation == "given":
-                what = f"time derivative of F_{axis} at the beginning of a step"
-                rate = add(f"der(F_{axis})", Kind.INPUT, "N/s", f"First {what}", derivative_of=place, **continuous)
-                add(f"der(F_{axis},2)", Kind.INPUT, "N/s2", f"Second {what}", derivative_of=rate, **continuous)
-    for prefix, (unit, text) in _OUTPUTS.items():
+            force[axis] = (add_input(f"F_{axis}", "N", text, table.extrapolation == "given", nominal=1000.0),)
+    if isinstance(table, FloatingTable | ExcitationTable):
+        for k, x in enumerate(places_of(vessel), start=1):
+            text = f"Elevation of the water {x:g} m to the right of the vessel's rest position, positive up"
+            add_input(f"elevation[{k}]", "m", text, table.extrapolation == "given", nominal=1.0)
+    for prefix, (unit, text) in ({} if isinstance(table, ExcitationTable) else _OUTPUTS).items():
         for axis, way in _AXES.items():
-            held = isinstance(table, BodyTable) and prefix == "a"
             add(
                 f"{prefix}{axis}", Kind.OUTPUT, unit, f"{text} along {axis}, positive {way}", causality="output",
                 variability="continuous", initial="calculated", nominal=1.0,
-                depends_on=force[axis] if held else (), on_all_at_start=True,
+                depends_on=force[axis] if prefix == "a" else (), on_all_at_start=True,
+            )  # fmt: skip
+    if isinstance(table, FloatingTable | ExcitationTable):
+        for axis, way in _AXES.items():
+            add(
+                f"F_wave_{axis}", Kind.OUTPUT, "N", f"Force of the waves on the vessel at its rest position along "
+                f"{axis}, positive {way}", causality="output", variability="continuous", initial="calculated",
+                nominal=1000.0, depends_on=(), on_all_at_start=True,
             )  # fmt: skip
     return variables
 
 
-def _parameters(table: BodyTable | SinesTable | CsvTable) -> Iterator[tuple[str, str, float, float | None, str]]:
+def _parameters(vessel: Vessel) -> Iterator[tuple[str, str, float, float | None, str]]:
     """Name, unit, value, lower bound, description."""
+    table = vessel.table
+    if isinstance(table, FloatingTable):
+        yield "mass", "kg", mass_of(vessel), 0.0, "Mass that moves, without water"
     for axis, way in _AXES.items():
-        if isinstance(table, BodyTable):
+        if isinstance(table, BodyTable | FloatingTable):
             for name, (unit, least, text) in _BODY.items():
+                if name == "m" and isinstance(table, FloatingTable):
+                    continue
                 value = getattr(table, f"{name}_{axis}")
                 yield f"{name}_{axis}", unit, value, least, text.format(axis=axis, way=way)
             for prefix, (unit, text) in _START.items():
