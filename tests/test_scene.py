@@ -17,7 +17,7 @@ from cablefmu.scene_schema import STATICS
 
 # n, stop time [s] and frames [s] as the dissertation has them (section 6); None where it shows no frames.
 # Ours are seabed-pin-60, which is seabed-mass-60 with an ideal anchor, and those with ends that it does not have:
-# lifted-40, moored-40, towed-40.
+# lift-60, lifted-40, moored-40, towed-40.
 EXPECTED = {
     "angles-12-water": (12, 62.0, None),
     "floaters-both-80": (80, 15.5, 0.5),
@@ -29,6 +29,7 @@ EXPECTED = {
     "free-60-water": (60, 31.0, 1.0),
     "heave-60-air": (60, 31.0, 1.0),
     "heave-60-water": (60, 31.0, 1.0),
+    "lift-60": (60, 31.0, 1.0),
     "lifted-40": (40, 15.5, 0.5),
     "load-diagonal-80": (80, 15.5, 0.5),
     "load-horizontal-80": (80, 15.5, 0.5),

@@ -257,6 +257,8 @@ def couple(
     osp: Annotated[
         Path | None, Parameter(help="Write it as OSP system structure into this FOLDER, instead of running it.")
     ] = None,
+    stop_time: Annotated[float | None, Parameter(help="[s]; the coupling's by default.")] = None,
+    plot: Annotated[Path | None, Parameter(help="Picture of positions, forces and powers over time, FILE.png.")] = None,
     output: Annotated[
         Path | None,
         Parameter(name=["--output", "-o"], help="Results, FILE.csv or FILE.nc; ./build/NAME.csv by default."),
@@ -264,10 +266,10 @@ def couple(
 ) -> None:
     """Couple FMUs of cables with others, and write what all of them say over time."""
     if ssp is None and osp is None:
-        couple_and_show(coupling, engine, output)
+        couple_and_show(coupling, engine, output, stop_time=stop_time, plot=plot)
         return
-    if output is not None or engine != "own":
-        raise OptionError("ssp, osp: nothing is run; leave --output and --engine out")
+    if engine != "own" or (output, stop_time, plot) != (None, None, None):
+        raise OptionError("ssp, osp: nothing is run; leave --output, --engine, --stop-time and --plot out")
     export_coupling(coupling, ssp, osp)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -13,17 +14,21 @@ from .coupling.description import load_coupling
 from .coupling.engines import ENGINES, run_with
 from .coupling.export_osp import write_osp
 from .coupling.export_ssp import write_ssp
-from .coupling.system import opened
+from .coupling.system import opened, varied
+from .coupling_plot import plot_coupling
 from .errors import OptionError, RunError
 from .files import check_writable
+from .plot import check_picture
 from .progress import showing_progress
 from .results import write_results
 
 __all__ = ["couple_and_show", "export_coupling"]
 
 
-def couple_and_show(name: str, engine: str, output: Path | None) -> None:
-    """Run a coupling, keep its results and print a summary.
+def couple_and_show(
+    name: str, engine: str, output: Path | None, *, stop_time: float | None = None, plot: Path | None = None
+) -> None:
+    """Run a coupling, to another stop time [s] if there is one, keep its results and print a summary.
 
     Raises
     ------
@@ -39,8 +44,13 @@ def couple_and_show(name: str, engine: str, output: Path | None) -> None:
     if results.suffix not in {".csv", ".nc"}:
         raise OptionError(f"output = {results}: a name that ends with .csv or .nc is expected")
     check_writable(results)
+    if plot is not None:
+        check_picture(plot)
+    if stop_time is not None and not (math.isfinite(stop_time) and stop_time > 0.0):
+        raise OptionError(f"stop time = {stop_time:g}: a number above 0 [s] is expected")
     failure: RunError | None = None
-    with opened(coupling) as system, showing_progress(coupling.name) as progress:
+    with opened(coupling) as asked, showing_progress(coupling.name) as progress:
+        system = asked if stop_time is None else varied(asked, stop_time=stop_time)
         try:
             result = run_with(engine, system, progress)
         except RunError as error:
@@ -49,7 +59,9 @@ def couple_and_show(name: str, engine: str, output: Path | None) -> None:
             failure, result = error, error.partial
     written = write_results(result, results)
     _print(result, Console())
-    print(f"results: {', '.join(map(str, written))}")
+    if plot is not None:
+        plot_coupling(result, plot)
+    print(f"results: {', '.join(map(str, written))}" + (f", picture: {plot}" if plot is not None else ""))
     if failure is not None:
         raise RunError(f"the run ended at t = {failure.time:g} s; the results up to then are kept.\n{failure}")
 

@@ -183,7 +183,9 @@ def make_coupling_report(
         If there is nothing to measure against, or that is not good to a tenth of the accuracy.
     """
     check_coupling_options(accuracy, limit)
-    with opened(coupling) as system:
+    with opened(coupling) as asked:
+        spec = asked.settings
+        system = asked if spec.report_time is None else varied(asked, stop_time=spec.report_time)
         say("reference")
         truth = find_truth(system)
         wanted = SHARE * truth.motion if accuracy is None else accuracy

@@ -65,10 +65,10 @@ def _pair(system: System) -> tuple[Model, Model]:
     if len(models) != 2 or len(vessels) != 1 or len(cables) != 1:
         raise NotOneError("one vessel and one scene are expected, and nothing else")
     vessel, cable = vessels[0], cables[0]
-    there = {(Variable(vessel.name, a), Variable(cable.name, b), 1.0) for a, b in _THERE.items()}
-    back = {(Variable(cable.name, a), Variable(vessel.name, b), 1.0) for a, b in _BACK.items()}
-    if {(c.source, c.target, c.gain) for c in system.connections} != there | back:
-        raise NotOneError("the vessel's motion to the cable's top and F_1x, F_1y back, without gains, are expected")
+    there = {(Variable(vessel.name, a), Variable(cable.name, b), 1.0, 0.0) for a, b in _THERE.items()}
+    back = {(Variable(cable.name, a), Variable(vessel.name, b), 1.0, 0.0) for a, b in _BACK.items()}
+    if {(c.source, c.target, c.gain, c.offset) for c in system.connections} != there | back:
+        raise NotOneError("the vessel's motion to the cable's top and F_1x, F_1y back, as they are, are expected")
     return vessel, cable
 
 

@@ -25,11 +25,13 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """target = gain * source."""
+    """target = gain * source + offset."""
 
     source: Variable
     target: Variable
     gain: float = 1.0
+    offset: float = 0.0
+    """In the target's unit"""
     delayed: bool = False
 
     def __str__(self) -> str:
@@ -62,7 +64,7 @@ def _resolved(
     target = find_variable(f"connection {k}.to", table.to, "input", spec, models, mistakes)
     if source is None or target is None:
         return
-    connection = Connection(source, target, table.gain, table.delayed)
+    connection = Connection(source, target, table.gain, table.offset, table.delayed)
     wrong = _unit_mistake(connection, models)
     if wrong:
         mistakes.append(Mistake(f"connection {k}, {connection}", wrong))
@@ -108,7 +110,8 @@ def _of_ports(
         for member, output in here.items():
             if output in outputs and there.get(member) in inputs:
                 found += 1
-                connection = Connection(Variable(model, output), Variable(other, there[member]), 1.0, table.delayed)
+                ends = Variable(model, output), Variable(other, there[member])
+                connection = Connection(*ends, delayed=table.delayed)
                 wrong = _unit_mistake(connection, models)
                 if wrong:
                     mistakes.append(Mistake(f"connection {k}, {connection}", wrong))

@@ -155,8 +155,9 @@ def _of_libcosim(system: System) -> Iterator[str]:
 
 def _of_fmpy(system: System) -> Iterator[str]:
     for connection in system.connections:
-        if connection.gain != 1.0:
-            yield f"connection {connection}: it knows no gain"
+        for name, used in (("gain", connection.gain != 1.0), ("offset", connection.offset != 0.0)):
+            if used:
+                yield f"connection {connection}: it knows no {name}"
     names = list(system.models)
     for name in names:
         longer = [other for other in names if other != name and other.startswith(name)]

@@ -51,7 +51,8 @@ class Exchange:
     def values(self, outputs: Outputs, numbers: Sequence[int] | None = None) -> Floats:
         """What these connections (by default all) carry when outputs are so."""
         chosen = range(len(self.connections)) if numbers is None else numbers
-        return np.array([self.connections[k].gain * outputs[self.connections[k].source] for k in chosen])
+        through = (self.connections[k] for k in chosen)
+        return np.array([c.gain * outputs[c.source] + c.offset for c in through])
 
     def accept(self, time: float, outputs: Outputs) -> None:
         """Take the values at a communication point as samples."""

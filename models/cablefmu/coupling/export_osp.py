@@ -51,11 +51,12 @@ def _structure(system: System) -> ET.Element:
         for variable, kind, value in values:
             word = str(value).lower() if isinstance(value, bool) else str(value)
             ET.SubElement(ET.SubElement(initial, "InitialValue", variable=variable), kind, value=word)
-    scaled = [(f"gain_{k}", c) for k, c in enumerate(system.connections, start=1) if c.gain != 1.0]
+    scaled = [(f"gain_{k}", c) for k, c in enumerate(system.connections, start=1) if c.gain != 1.0 or c.offset]
     if scaled:
         functions = ET.SubElement(root, "Functions")
         for name, connection in scaled:
-            ET.SubElement(functions, "LinearTransformation", name=name, factor=repr(connection.gain), offset="0.0")
+            numbers = {"name": name, "factor": repr(connection.gain), "offset": repr(connection.offset)}
+            ET.SubElement(functions, "LinearTransformation", numbers)
     connections = ET.SubElement(root, "Connections")
     names = {connection: name for name, connection in scaled}
     for connection in system.connections:

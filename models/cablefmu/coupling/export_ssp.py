@@ -70,8 +70,9 @@ def _structure(system: System) -> ET.Element:
             "startElement": source.model, "startConnector": source.name,
             "endElement": target.model, "endConnector": target.name,
         })  # fmt: skip
-        if connection.gain != 1.0:
-            ET.SubElement(element, f"{{{_SSC}}}LinearTransformation", factor=repr(connection.gain))
+        if connection.gain != 1.0 or connection.offset:
+            numbers = {"factor": repr(connection.gain), "offset": repr(connection.offset)}
+            ET.SubElement(element, f"{{{_SSC}}}LinearTransformation", numbers)
     experiment = {"startTime": "0.0", "stopTime": repr(settings.stop_time)}
     ET.SubElement(root, f"{{{_SSD}}}DefaultExperiment", experiment)
     return root

@@ -42,17 +42,19 @@ def bonds_of(
     """Resolve every [[power]]; what is wrong is added to `mistakes`."""
     bonds: list[Bond] = []
     all_known = not mistakes  # a connection that has a mistake of its own is not missed here
+    usable = [c for c in connections if c.gain and not c.offset]
     for k, table in enumerate(spec.power, start=1):
         key = f"power {k}"
         flow = find_variable(f"{key}.flow", table.flow, "output", spec, models, mistakes)
         effort = find_variable(f"{key}.effort", table.effort, "output", spec, models, mistakes)
         if flow is None or effort is None:
             continue
-        there = [c for c in connections if c.source == flow and c.target.model == effort.model and c.gain]
-        back = [c for c in connections if c.source == effort and c.target.model == flow.model and c.gain]
+        there = [c for c in usable if c.source == flow and c.target.model == effort.model]
+        back = [c for c in usable if c.source == effort and c.target.model == flow.model]
         if len(there) != 1 or len(back) != 1:
             text = (
-                f"one connection from {flow} to model {effort.model} and one from {effort} to {flow.model} are expected"
+                f"one connection from {flow} to model {effort.model} and one from {effort} to {flow.model}, "
+                "without offsets, are expected"
             )
             mistakes += [Mistake(key, text)] if all_known else []
             continue

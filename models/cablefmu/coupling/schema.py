@@ -50,6 +50,8 @@ class CouplingSpec(Table):
     description: str = ""
     stop_time: Duration
     step: Duration
+    report_time: Duration | None = None
+    """Stop time of a report's runs, of which there are many; `stop_time` by default."""
     algorithm: Literal["jacobi", "gauss-seidel", "iterated"] = "jacobi"
     extrapolation: Annotated[int, Field(ge=0, le=2)] = 0
     """Order of the polynomial that inputs follow inside a step."""
@@ -91,13 +93,15 @@ class ConnectionSpec(Table):
     to: Variable | None = None
     ports: tuple[Port, Port] | None = None
     gain: Number = 1.0
+    offset: Number = 0.0
+    """Added to what is connected, in the input's unit: of where a vessel is from its rest to where it is."""
     delayed: bool = False
     """The input may be late by one step: what breaks an algebraic loop where nothing iterates."""
 
     @classmethod
     def contradictions(cls, data: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], str]]:
         if "ports" in data:
-            for key in ("from", "to", "gain"):
+            for key in ("from", "to", "gain", "offset"):
                 if key in data:
                     yield (key,), "ports say what is connected with what; leave it out, or ports"
         elif not {"from", "to"} <= data.keys():

@@ -1,0 +1,107 @@
+"""The picture of a coupled run: positions, forces and the power between models over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from .cable import Floats
+from .files import replacing
+from .plot import check_picture, need_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["draw_coupling", "plot_coupling"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Panel:
+    """Results of one unit in one diagram."""
+
+    unit: str
+    label: str
+    factor: float = 1.0
+    """What they are multiplied by."""
+    from_start: bool = False
+    """Whether it is what they are beyond their first value that is shown."""
+
+
+_PANELS = (
+    _Panel("m", "from where it began [m]", from_start=True),
+    _Panel("N", "force [kN]", 1e-3),
+    _Panel("W", "power [kW]", 1e-3),
+)
+_STYLES, _COLORS = ("-", "--", ":", "-."), 10
+_STILL = 1e-9
+"""Of the largest value in a diagram: a line that moves by less is left out."""
+
+
+def plot_coupling(result: xr.Dataset, path: Path) -> None:
+    """Draw a coupled run into a file.
+
+    Parameters
+    ----------
+    result
+        As `couple` returns it.
+    path
+        Picture to write; the suffix says of which kind (.png, .svg, .pdf).
+
+    Raises
+    ------
+    OptionError
+        If matplotlib is not installed, knows no such suffix, or the file cannot be written.
+    """
+    check_picture(path)
+    figure = draw_coupling(result)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format=path.suffix.removeprefix("."), dpi=80)
+
+
+def draw_coupling(result: xr.Dataset) -> Figure:
+    """Outputs in m (from their first value on), in N, and the power of every connection.
+
+    Outputs that stay as they began are left out, and so are diagrams in which nothing is left.
+
+    Raises
+    ------
+    OptionError
+        If matplotlib is not installed.
+    """
+    need_matplotlib()
+    from matplotlib.figure import Figure
+
+    shown = [(panel, lines) for panel in _PANELS if (lines := list(_lines(result, panel)))]
+    figure = Figure(figsize=(9, 1.0 + 2.4 * max(len(shown), 1)), layout="constrained")
+    rows = figure.subplots(max(len(shown), 1), sharex=True, squeeze=False)[:, 0]
+    for axes, (panel, lines) in zip(rows, shown, strict=False):
+        _draw(axes, result["time"].values, lines)
+        axes.set_ylabel(panel.label)
+    rows[0].set_title(str(result.attrs["title"]))
+    rows[-1].set_xlabel("time [s]")
+    return figure
+
+
+def _lines(result: xr.Dataset, panel: _Panel) -> Iterator[tuple[str, Floats]]:
+    """Names and values of what moves."""
+    named = {
+        str(name): values.values for name, values in result.data_vars.items()
+        if values.attrs["units"] == panel.unit and not str(name).endswith(".residual")
+    }  # fmt: skip
+    largest = max((float(np.abs(values).max()) for values in named.values()), default=0.0)
+    for name, values in named.items():
+        if np.ptp(values) > _STILL * largest:
+            yield name, panel.factor * (values - values[0] if panel.from_start else values)
+
+
+def _draw(axes: Axes, times: Floats, lines: Sequence[tuple[str, Floats]]) -> None:
+    for k, (name, values) in enumerate(lines):
+        axes.plot(times, values, _STYLES[k // _COLORS % len(_STYLES)], color=f"C{k % _COLORS}", label=name, linewidth=1)
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="x-small", loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
