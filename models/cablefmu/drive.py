@@ -20,6 +20,7 @@ from fmpy.sundials.libraries import sundials_cvode
 
 from .errors import FmuError, RunError
 from .feed import Feed
+from .reals import Reals
 
 __all__ = ["Driver", "fmi2_callbacks", "make_driver"]
 
@@ -71,6 +72,7 @@ class _Base(ABC):
         self.feed = feed
         self.reference = {variable.name: variable.valueReference for variable in description.modelVariables}
         self.inputs = [self.reference[name] for name in feed.names]
+        self._asked: dict[tuple[int, ...], Reals] = {}
         self.fmu: Any = None
 
     def load(self, kind: type, description: Any, interface: Any, folder: str) -> None:
@@ -88,6 +90,13 @@ class _Base(ABC):
         if self.fmu is not None and self.fmu.component is not None:
             self.fmu.freeInstance()
             self.fmu = None
+
+    def remembered(self, references: Sequence[int], make: Callable[[], Reals]) -> Reals:
+        """The same variables are asked for at every output time."""
+        key = tuple(references)
+        if key not in self._asked:
+            self._asked[key] = make()
+        return self._asked[key]
 
     def resize(self, choices: Mapping[int, int]) -> None:  # noqa: B027
         """Nothing without arrays."""
@@ -170,10 +179,13 @@ class _Fmi2(_Base):
         """Hook for what an interface does after initialisation."""
 
     def get(self, references: Sequence[int]) -> list[float]:
-        return list(self._call("fmi2GetReal", self.fmu.getReal, list(references)))
+        reals = self.remembered(references, lambda: Reals(2, references))
+        found: list[float] = self._call("fmi2GetReal", reals.get, self.fmu)
+        return found
 
     def set_inputs(self, values: Sequence[float]) -> None:
-        self._call("fmi2SetReal", self.fmu.setReal, self.inputs, list(values))
+        reals = self.remembered(self.inputs, lambda: Reals(2, self.inputs))
+        self._call("fmi2SetReal", reals.set, self.fmu, values)
 
 
 class Fmi2CoSimulation(_Fmi2):
@@ -257,8 +269,13 @@ class _Fmi3(_Base):
         """Hook for what an interface does after initialisation."""
 
     def get(self, references: Sequence[int]) -> list[float]:
-        count = sum(self._size[self._dimension[r]] if r in self._dimension else 1 for r in references)
-        return list(self._call("fmi3GetFloat64", self.fmu.getFloat64, list(references), count))
+        reals = self.remembered(references, lambda: Reals(3, references, self._count(references)))
+        found: list[float] = self._call("fmi3GetFloat64", reals.get, self.fmu)
+        return found
+
+    def _count(self, references: Sequence[int]) -> int:
+        """Number of values."""
+        return sum(self._size[self._dimension[r]] if r in self._dimension else 1 for r in references)
 
     def resize(self, choices: Mapping[int, int]) -> None:
         """In configuration mode, where arrays get other sizes."""
@@ -269,9 +286,11 @@ class _Fmi3(_Base):
         self._call("fmi3SetUInt64", self.fmu.setUInt64, list(sizes), list(sizes.values()))
         self._call("fmi3ExitConfigurationMode", self.fmu.exitConfigurationMode)
         self._size |= sizes
+        self._asked.clear()
 
     def set_inputs(self, values: Sequence[float]) -> None:
-        self._call("fmi3SetFloat64", self.fmu.setFloat64, self.inputs, list(values))
+        reals = self.remembered(self.inputs, lambda: Reals(3, self.inputs))
+        self._call("fmi3SetFloat64", reals.set, self.fmu, values)
 
 
 class Fmi3CoSimulation(_Fmi3):
