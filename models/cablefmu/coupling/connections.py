@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..scene_mistakes import Mistake, nearest
 from .models import Model, Unit
@@ -12,8 +13,7 @@ from .schema import ConnectionSpec, FileSpec
 __all__ = ["Connection", "Variable", "connect"]
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Variable:
+class Variable(NamedTuple):  # its hash is a tuple's: outputs are looked up by it in every step
     """One variable of one model."""
 
     model: str

@@ -14,6 +14,7 @@ from fmpy.fmi1 import FMICallException
 
 from ..drive import fmi2_callbacks
 from ..errors import FmuError, RunError
+from ..reals import Reals
 from .extrapolation import Polynomial
 from .models import REAL, Model
 from .schema import Value
@@ -32,8 +33,11 @@ class Partner(ABC):
         self.outputs = model.names("output")
         self.messages: deque[str] = deque(maxlen=_KEPT)
         self._input_references = [self._reference(name) for name in self.inputs]
-        self._output_references = [self._reference(name) for name in self.outputs]
-        self._slopes = [model.slopes(name) for name in self.inputs]
+        self._inputs = self._reals(self.inputs)
+        self._outputs = self._reals(self.outputs)
+        slopes = [model.slopes(name) for name in self.inputs]
+        self._sloping = [len(names) for names in slopes]
+        self._slopes = self._reals([name for names in slopes for name in names])
         self._interpolated = [model.interpolates(name) for name in self.inputs]
         self.fmu: Any = None
         self._is_dead = False
@@ -74,7 +78,7 @@ class Partner(ABC):
         """Set the connected inputs."""
         self._check(self.inputs, values, "input")
         if self.inputs:
-            self._call("setting inputs", self._set_real, self._input_references, list(values))
+            self._call("setting inputs", self._inputs.set, self.fmu, values)
 
     def get(self) -> list[float]:
         """All real outputs.
@@ -84,7 +88,7 @@ class Partner(ABC):
         RunError
             If one is not a finite number.
         """
-        values: list[float] = self._call("reading outputs", self._get_real, self._output_references)
+        values: list[float] = self._call("reading outputs", self._outputs.get, self.fmu)
         self._check(self.outputs, values, "output")
         return values
 
@@ -92,14 +96,12 @@ class Partner(ABC):
 
     def _set_slopes(self, time: float, polynomials: Sequence[Polynomial]) -> None:
         """Set the inputs that are other inputs' derivatives."""
-        references: list[int] = []
         values: list[float] = []
-        for names, polynomial in zip(self._slopes, polynomials, strict=True):
-            derivatives = [*polynomial.derivatives(time), 0.0, 0.0][: len(names)]
-            references += [self._reference(name) for name in names]
-            values += derivatives
-        if references:
-            self._call("setting slopes", self._set_real, references, values)
+        for count, polynomial in zip(self._sloping, polynomials, strict=True):
+            if count:
+                values += [*polynomial.derivatives(time), 0.0, 0.0][:count]
+        if values:
+            self._call("setting slopes", self._slopes.set, self.fmu, values)
 
     def step(self, time: float, end: float, polynomials: Sequence[Polynomial], *, is_final: bool) -> None:
         """From `time` to `end` with these inputs; `is_final`: nobody will go back before `time`."""
@@ -134,12 +136,6 @@ class Partner(ABC):
     def _enter(self, stop: float, tolerance: float) -> None: ...
 
     @abstractmethod
-    def _set_real(self, references: list[int], values: list[float]) -> None: ...
-
-    @abstractmethod
-    def _get_real(self, references: list[int]) -> list[float]: ...
-
-    @abstractmethod
     def _follow(self, time: float, polynomials: Sequence[Polynomial]) -> None: ...
 
     @abstractmethod
@@ -149,6 +145,9 @@ class Partner(ABC):
 
     def _reference(self, name: str) -> int:
         return int(self.model.variables[name].valueReference)
+
+    def _reals(self, names: Sequence[str]) -> Reals:
+        return Reals(self.model.fmi, [self._reference(name) for name in names])
 
     def _load(self, kind: type, instantiate: Callable[[Any], None]) -> None:
         """The library for this platform, and an instance."""
@@ -174,9 +173,9 @@ class Partner(ABC):
             raise RunError(f"model {self.model.name} failed in {what}: {said}") from None
 
     def _check(self, names: Sequence[str], values: Sequence[float], kind: str) -> None:
-        for name, value in zip(names, values, strict=True):
-            if not math.isfinite(value):
-                raise RunError(f"{kind} {self.model.name}.{name} = {value}: a finite number is expected")
+        if not all(map(math.isfinite, values)):
+            name, value = next(pair for pair in zip(names, values, strict=True) if not math.isfinite(pair[1]))
+            raise RunError(f"{kind} {self.model.name}.{name} = {value}: a finite number is expected")
 
     def _typed(self, values: Mapping[str, Value]) -> dict[str, tuple[list[int], list[Any]]]:
         """References and values by the types that FMI knows."""
@@ -219,20 +218,16 @@ class _Fmi2(Partner):
         for kind, (references, listed) in self._typed(values).items():
             setters.get(kind, self.fmu.setInteger)(references, listed)
 
-    def _set_real(self, references: list[int], values: list[float]) -> None:
-        self.fmu.setReal(references, values)
-
-    def _get_real(self, references: list[int]) -> list[float]:
-        return list(self.fmu.getReal(references)) if references else []
-
     def _follow(self, time: float, polynomials: Sequence[Polynomial]) -> None:
+        if not self.model.description.coSimulation.canInterpolateInputs:
+            return
         references, orders, values = [], [], []
         for reference, polynomial in zip(self._input_references, polynomials, strict=True):
             for order, value in enumerate(polynomial.derivatives(time), start=1):
                 references.append(reference)
                 orders.append(order)
                 values.append(value)
-        if references and self.model.description.coSimulation.canInterpolateInputs:
+        if references:
             self._call("setting slopes", self.fmu.setRealInputDerivatives, references, orders, values)
 
     def _step(self, time: float, size: float, is_final: bool) -> None:
@@ -276,12 +271,6 @@ class _Fmi3(Partner):
         for kind, (references, listed) in self._typed(values).items():
             name = {"Real": "Float64", "Enumeration": "Int64"}.get(kind, kind)
             getattr(self.fmu, f"set{name}")(references, listed)
-
-    def _set_real(self, references: list[int], values: list[float]) -> None:
-        self.fmu.setFloat64(references, values)
-
-    def _get_real(self, references: list[int]) -> list[float]:
-        return list(self.fmu.getFloat64(references)) if references else []
 
     def _follow(self, time: float, polynomials: Sequence[Polynomial]) -> None:
         self._following = [p for p, follows in zip(polynomials, self._interpolated, strict=True) if follows]
