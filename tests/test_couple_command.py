@@ -91,6 +91,14 @@ def test_what_ships_runs(name: str, command: Command) -> None:
     assert "power." in command.out and "run time" in command.out
 
 
+def test_another_stop_time_and_a_picture(command: Command) -> None:
+    assert command("couple", "short.toml", "--stop-time", "0.45", "--plot", "short.svg").status == 0
+    assert "results: build/short.csv, picture: short.svg" in command.out
+    times = [float(row.split(",")[0]) for row in Path("build/short.csv").read_text().splitlines()[1:]]
+    assert times == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4, 0.45])
+    assert Path("short.svg").read_text().startswith("<?xml")
+
+
 @pytest.mark.parametrize("engine", ["libcosim", "fmpy-ssp"])
 def test_other_engines_run_it(engine: str, command: Command) -> None:
     Path("jacobi.toml").write_text(SHORT.replace("gauss-seidel", "jacobi"))

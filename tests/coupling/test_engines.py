@@ -220,3 +220,22 @@ def test_what_an_engine_cannot_do_is_refused_before_the_run(
 
 def test_names_of_engines() -> None:
     assert list(ENGINES) == ["own", "libcosim", "fmpy-ssp"]
+
+
+def test_offsets_are_the_same_in_every_engine_and_format(cables: Path, tmp_path: Path) -> None:
+    """A spring whose end is told 0.1 m further pulls as one that is 0.1 m longer."""
+    text = oscillators(cables).text.replace(*DEFAULT)
+    offset = text.replace('to = "spring.y_a"', 'to = "spring.y_a"\noffset = 0.1', 1)
+    longer = text.replace("stiffness = 250", "stiffness = 250, rest = -0.1", 1)
+    assert text not in (offset, longer)
+    with opened(Coupling.from_text(offset, name="two", folder=cables)) as system:
+        own, other = run_with("own", system), run_with("libcosim", system)
+        with zipfile.ZipFile(write_ssp(system, tmp_path / "x.ssp")) as archive:
+            ssd = etree.fromstring(archive.read("SystemStructure.ssd"))
+        with pytest.raises(OptionError, match=r"connection a\.y_m1 -> spring\.y_a: it knows no offset"):
+            run_with("fmpy-ssp", system)
+    assert [element.attrib["offset"] for element in ssd.iter("{*}LinearTransformation")] == ["0.1", "0.0"]
+    assert np.abs(other["b.y_m1"].values - own["b.y_m1"].values[1:]).max() < ROUNDING
+    with opened(Coupling.from_text(longer, name="two", folder=cables)) as system:
+        expected = run_with("own", system)
+    assert np.abs(own["b.y_m1"].values - expected["b.y_m1"].values).max() < ROUNDING
