@@ -20,7 +20,7 @@ def result() -> xr.Dataset:
     columns = {
         "ship.x": ("m", 80.0 + TIMES), "ship.y": ("m", 0.0 * TIMES + 10.0), "cable.v": ("m/s", TIMES),
         "cable.F": ("N", 2000.0 - 500.0 * TIMES), "power.surge": ("W", 1500.0 * TIMES**2),
-        "power.surge.residual": ("W", 0.1 * TIMES),
+        "power.surge.residual": ("W", 0.1 * TIMES), "box.z": ("", TIMES), "cable.solver.steps": ("", 9.0 * TIMES),
     }  # fmt: skip
     data = {name: ("time", values, {"units": unit}) for name, (unit, values) in columns.items()}
     return xr.Dataset(data, coords={"time": TIMES}, attrs={"title": "tow"})
@@ -28,22 +28,20 @@ def result() -> xr.Dataset:
 
 def test_what_moves_is_shown_by_unit(result: xr.Dataset) -> None:
     """Not what stays where it is, velocities and residuals; positions count from where they began."""
-    positions, forces, powers = draw_coupling(result).axes
-    shown = {
-        line.get_label(): line.get_xydata() for axes in (positions, forces, powers) for line in axes.get_lines()
-    }  # fmt: skip
-    expected = {"ship.x": TIMES, "cable.F": 2.0 - 0.5 * TIMES, "power.surge": 1.5 * TIMES**2}
+    diagrams = draw_coupling(result).axes
+    shown = {line.get_label(): line.get_xydata() for axes in diagrams for line in axes.get_lines()}
+    expected = {"ship.x": TIMES, "cable.F": 2.0 - 0.5 * TIMES, "power.surge": 1.5 * TIMES**2, "box.z": TIMES}
     assert shown.keys() == expected.keys()
     for name, values in expected.items():
         np.testing.assert_allclose(shown[name], np.column_stack([TIMES, values]), rtol=0, atol=1e-12)
-    assert [axes.get_ylabel() for axes in (positions, forces, powers)] == [
-        "from where it began [m]", "force [kN]", "power [kW]"
+    assert [axes.get_ylabel() for axes in diagrams] == [
+        "from where it began [m]", "force [kN]", "power [kW]", "in units of its own"
     ]  # fmt: skip
-    assert (positions.get_title(), powers.get_xlabel()) == ("tow", "time [s]")
+    assert (diagrams[0].get_title(), diagrams[-1].get_xlabel()) == ("tow", "time [s]")
 
 
 def test_a_diagram_of_nothing_is_left_out(result: xr.Dataset) -> None:
-    kept = result.drop_vars(["cable.F", "power.surge", "power.surge.residual"])
+    kept = result.drop_vars(["cable.F", "power.surge", "power.surge.residual", "box.z"])
     (axes,) = draw_coupling(kept).axes
     assert [line.get_label() for line in axes.get_lines()] == ["ship.x"]
     assert axes.get_xlabel() == "time [s]"

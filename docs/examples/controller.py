@@ -8,7 +8,7 @@ class PositionController(Fmi2Slave):
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        self.set_point, self.gain, self.integral_time, self.limit = 15.0, 100.0, 12.0, 1000.0
+        self.set_point, self.gain, self.integral_time, self.limit = 15.0, 200.0, 20.0, 1000.0
         self.x, self.F, self.integral = 0.0, 0.0, 0.0
         for name in ("set_point", "gain", "integral_time", "limit"):
             fixed = {"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.fixed}

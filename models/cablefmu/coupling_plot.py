@@ -37,6 +37,7 @@ _PANELS = (
     _Panel("m", "from where it began [m]", from_start=True),
     _Panel("N", "force [kN]", 1e-3),
     _Panel("W", "power [kW]", 1e-3),
+    _Panel("", "in units of its own"),
 )
 _STYLES, _COLORS = ("-", "--", ":", "-."), 10
 _STILL = 1e-9
@@ -65,7 +66,7 @@ def plot_coupling(result: xr.Dataset, path: Path) -> None:
 
 
 def draw_coupling(result: xr.Dataset) -> Figure:
-    """Outputs in m (from their first value on), in N, and the power of every connection.
+    """Outputs in m (from their first value on), in N, the power of every connection, and outputs that have no unit.
 
     Outputs that stay as they began are left out, and so are diagrams in which nothing is left.
 
@@ -92,7 +93,7 @@ def _lines(result: xr.Dataset, panel: _Panel) -> Iterator[tuple[str, Floats]]:
     """Names and values of what moves."""
     named = {
         str(name): values.values for name, values in result.data_vars.items()
-        if values.attrs["units"] == panel.unit and not str(name).endswith(".residual")
+        if values.attrs["units"] == panel.unit and not str(name).endswith(".residual") and ".solver." not in str(name)
     }  # fmt: skip
     largest = max((float(np.abs(values).max()) for values in named.values()), default=0.0)
     for name, values in named.items():
