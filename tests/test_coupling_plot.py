@@ -18,7 +18,7 @@ TIMES = np.linspace(0.0, 2.0, 5)
 @pytest.fixture
 def result() -> xr.Dataset:
     columns = {
-        "ship.x": ("m", 80.0 + TIMES), "ship.y": ("m", 0.0 * TIMES + 10.0), "cable.v": ("m/s", TIMES),
+        "ship.x": ("m", 80.0 + TIMES), "sea.z[1]": ("m", 3.0 * TIMES), "sea.z[2]": ("m", TIMES), "ship.y": ("m", 0.0 * TIMES + 10.0), "cable.v": ("m/s", TIMES),
         "cable.F": ("N", 2000.0 - 500.0 * TIMES), "power.surge": ("W", 1500.0 * TIMES**2),
         "power.surge.residual": ("W", 0.1 * TIMES), "box.z": ("", TIMES), "cable.solver.steps": ("", 9.0 * TIMES),
     }  # fmt: skip
@@ -30,7 +30,13 @@ def test_what_moves_is_shown_by_unit(result: xr.Dataset) -> None:
     """Not what stays where it is, velocities and residuals; positions count from where they began."""
     diagrams = draw_coupling(result).axes
     shown = {line.get_label(): line.get_xydata() for axes in diagrams for line in axes.get_lines()}
-    expected = {"ship.x": TIMES, "cable.F": 2.0 - 0.5 * TIMES, "power.surge": 1.5 * TIMES**2, "box.z": TIMES}
+    expected = {
+        "ship.x": TIMES,
+        "sea.z[1]": 3.0 * TIMES,
+        "cable.F": 2.0 - 0.5 * TIMES,
+        "power.surge": 1.5 * TIMES**2,
+        "box.z": TIMES,
+    }
     assert shown.keys() == expected.keys()
     for name, values in expected.items():
         np.testing.assert_allclose(shown[name], np.column_stack([TIMES, values]), rtol=0, atol=1e-12)
@@ -41,7 +47,7 @@ def test_what_moves_is_shown_by_unit(result: xr.Dataset) -> None:
 
 
 def test_a_diagram_of_nothing_is_left_out(result: xr.Dataset) -> None:
-    kept = result.drop_vars(["cable.F", "power.surge", "power.surge.residual", "box.z"])
+    kept = result.drop_vars(["cable.F", "power.surge", "power.surge.residual", "box.z", "sea.z[1]"])
     (axes,) = draw_coupling(kept).axes
     assert [line.get_label() for line in axes.get_lines()] == ["ship.x"]
     assert axes.get_xlabel() == "time [s]"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,6 +41,8 @@ _PANELS = (
     _Panel("", "in units of its own"),
 )
 _STYLES, _COLORS = ("-", "--", ":", "-."), 10
+_PASSED_OVER = re.compile(r"\.residual$|\.solver\.|\[(?!1\])")
+"""Errors, counters, and of lists such as elevation[1], elevation[2] ... all but the first."""
 _STILL = 1e-9
 """Of the largest value in a diagram: a line that moves by less is left out."""
 
@@ -93,7 +96,7 @@ def _lines(result: xr.Dataset, panel: _Panel) -> Iterator[tuple[str, Floats]]:
     """Names and values of what moves."""
     named = {
         str(name): values.values for name, values in result.data_vars.items()
-        if values.attrs["units"] == panel.unit and not str(name).endswith(".residual") and ".solver." not in str(name)
+        if values.attrs["units"] == panel.unit and not _PASSED_OVER.search(str(name))
     }  # fmt: skip
     largest = max((float(np.abs(values).max()) for values in named.values()), default=0.0)
     for name, values in named.items():
