@@ -18,7 +18,8 @@ TIMES = np.linspace(0.0, 2.0, 5)
 @pytest.fixture
 def result() -> xr.Dataset:
     columns = {
-        "ship.x": ("m", 80.0 + TIMES), "sea.z[1]": ("m", 3.0 * TIMES), "sea.z[2]": ("m", TIMES), "ship.y": ("m", 0.0 * TIMES + 10.0), "cable.v": ("m/s", TIMES),
+        "sea.z[1]": ("m", 3.0 * TIMES), "sea.z[2]": ("m", TIMES),
+        "ship.x": ("m", 80.0 + TIMES), "ship.y": ("m", 0.0 * TIMES + 10.0), "cable.v": ("m/s", TIMES),
         "cable.F": ("N", 2000.0 - 500.0 * TIMES), "power.surge": ("W", 1500.0 * TIMES**2),
         "power.surge.residual": ("W", 0.1 * TIMES), "box.z": ("", TIMES), "cable.solver.steps": ("", 9.0 * TIMES),
     }  # fmt: skip

@@ -19,9 +19,6 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "examples.md").read_text("utf-8")
 COMMANDS = dict(re.findall(r"<!-- example: ([\w-]+) -->\n```sh\n(.*?)```", PAGE, re.DOTALL))
 
-SHORT = ["--stop-time", "2"]
-"""Of examples in every check; what they show is looked at in full where that takes a second."""
-
 
 @pytest.fixture(autouse=True)
 def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -53,12 +50,31 @@ def run(command: Command, name: str, *more: str) -> dict[str, NDArray[np.float64
 
 
 def test_the_page_has_its_examples() -> None:
-    assert list(COMMANDS) == ["two-vessels", "lift", "controller"]
+    assert list(COMMANDS) == ["heave-in-waves", "buoy-in-waves", "two-vessels", "lift", "controller"]
+    for picture in re.findall(r"\]\((examples/.*?\.png)\)", PAGE):
+        assert (ROOT / "docs" / picture).stat().st_size < 200_000
 
 
-@pytest.mark.parametrize("name", [name for name in COMMANDS if name not in ("two-vessels", "lift", "controller")])
-def test_an_example_runs_as_its_page_says(name: str, command: Command) -> None:
-    assert run(command, name, *SHORT)["time"][-1] == 2.0
+def test_a_wave_does_what_the_scene_prescribes(command: Command) -> None:
+    """25 kN and 4 s, once the ramp of 8 s is over and the filters have forgotten it."""
+    result = run(command, "heave-in-waves")
+    late = result["time"] > 15.0
+    force, heave, pull = (result[name][late] for name in ("hull.F_wave_y", "cable.y_m1", "cable.tension_top"))
+    assert np.max(force) == pytest.approx(25.1e3, abs=200) and np.min(force) == pytest.approx(-25.1e3, abs=200)
+    crossings = np.flatnonzero((force[:-1] < 0.0) & (force[1:] >= 0.0))
+    assert np.diff(result["time"][late][crossings]) == pytest.approx(4.0, abs=0.11)  # as rows are 0.1 s apart
+    assert np.ptp(heave) == pytest.approx(6.2, abs=0.1)
+    assert np.min(pull) == pytest.approx(2.0e3, abs=100) and np.max(pull) == pytest.approx(7.3e3, abs=100)
+
+
+def test_the_buoy_follows_the_waves(command: Command) -> None:
+    """The page's numbers are of 120 s; 40 s show that the buoy goes up where the sea does, and the load with it."""
+    result = run(command, "buoy-in-waves", "--stop-time", "40")
+    late = result["time"] > 20.0
+    elevation, heave, load = (result[name][late] for name in ("sea.elevation[3]", "buoy.y", "cable.y_c"))
+    assert np.corrcoef(elevation, -heave)[0, 1] > 0.9
+    assert np.max(np.abs(load - 180.0 - heave)) < 0.1
+    assert 5.9e3 < np.min(result["cable.F_1y"]) < 7.0e3 and 9.0e3 < np.max(result["cable.F_1y"]) < 10.0e3
 
 
 def test_tug_and_barge_end_at_the_speed_that_thrust_and_drag_allow(command: Command) -> None:
