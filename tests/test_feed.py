@@ -45,7 +45,7 @@ def test_a_spline_is_followed_in_one_piece_by_three_derivatives() -> None:
     motion = Spline((0.0, 1.0, 2.0, 3.0), (0.0, 4.0, -1.0, 2.0))
     feed = Feed({"x_1": motion, "vx_1": Derivative(motion, 1), "ax_1": Derivative(motion, 2)})
     assert feed.polynomial_reach(1.0, 2.0) == 2.0
-    assert [len(derivatives) for derivatives in feed.derivatives(1.0)] == [3, 2, 1]
+    assert [len(derivatives) for derivatives in feed.values_and_derivatives(1.0)[1]] == [3, 2, 1]
     for signal in feed.signals.values():
         # Up to the next sample it is the polynomial of its derivatives: rounding of numbers below 50.
         assert polynomial(signal, 1.0, 0.9) == pytest.approx(signal(1.9), abs=1e-13)
@@ -85,3 +85,20 @@ def test_only_constant_forces_do_not_vary() -> None:
     assert not Feed({"u_m1": Constant(1.0), "F_cx": Constant(0.0)}).varies
     assert Feed({"u_m1": Constant(1.0), "F_cx": Steps((1.0,), (1.0,))}).varies
     assert not Feed({}).varies
+
+
+def test_values_and_derivatives_are_those_of_every_signal_to_the_bit() -> None:
+    """Though those that are derivatives of another are read off that one."""
+    motion, other = Spline((0.0, 1.0, 2.0, 3.0), (0.0, 4.0, -1.0, 2.0)), Sine(2.0, 0.3)
+    signals = {
+        "vx_1": Derivative(motion, 1), "x_1": motion, "y_1": other, "ax_1": Derivative(motion, 2),
+        "ay_1": Derivative(other, 2), "F_cx": Steps((0.5,), (7.0,)), "F_cy": Constant(2.0),
+    }  # fmt: skip
+    feed = Feed(signals)
+    for time in (-0.5, 0.0, 0.5, 1.3, 3.0, 9.0):
+        values, derivatives = feed.values_and_derivatives(time)
+        assert values == feed.values(time) == [signal(time) for signal in signals.values()]
+        expected = [signal.derivatives(time, len(d)) for signal, d in zip(signals.values(), derivatives, strict=True)]
+        assert derivatives == expected and [len(d) for d in derivatives] == [2, 3, 8, 1, 8, 0, 0]
+        breaks = [b for signal in signals.values() for b in signal.breaks(time, 10.0)]
+        assert feed.next_break(time, 10.0) == min(breaks, default=10.0)

@@ -202,8 +202,9 @@ class Fmi2CoSimulation(_Fmi2):
             return
         while time < end:
             reach = self.feed.polynomial_reach(time, end)
-            self.set_inputs(self.feed.values(time))
-            self._set_derivatives(time)
+            values, derivatives = self.feed.values_and_derivatives(time)
+            self.set_inputs(values)
+            self._set_derivatives(derivatives)
             self._call(
                 "fmi2DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=reach - time
             )
@@ -215,11 +216,11 @@ class Fmi2CoSimulation(_Fmi2):
         self._call("fmi2DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=end - time)
         self.set_inputs(self.feed.values_before(end, end))
 
-    def _set_derivatives(self, time: float) -> None:
+    def _set_derivatives(self, derived: Sequence[Sequence[float]]) -> None:
         if not self.feed.varies:
             return
         references, orders, values = [], [], []
-        for reference, derivatives in zip(self.inputs, self.feed.derivatives(time), strict=True):
+        for reference, derivatives in zip(self.inputs, derived, strict=True):
             for order, value in enumerate(derivatives, start=1):
                 references.append(reference)
                 orders.append(order)

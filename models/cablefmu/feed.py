@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from .scene_inputs import FOLLOWING
-from .signals import Constant, Signal
+from .signals import Constant, Derivative, Signal
 
 __all__ = ["ORDERS", "Feed"]
 
@@ -35,7 +36,7 @@ _SHORTEST = 2.0**-20
 """Smallest part of a step; a force that needs smaller ones is beyond every solver's patience."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Feed:
     """The inputs of one run; `names` and `signals` go together."""
 
@@ -63,25 +64,53 @@ class Feed:
         """Forces at `time` or, from `limit` on, just before `limit`, where they jump [N]."""
         return self.values(time if time < limit else math.nextafter(limit, -math.inf))
 
-    def derivatives(self, time: float) -> list[list[float]]:
-        """Per input its derivatives at `time`, after a jump: to `ORDERS` or its degree, as all others are 0."""
-        return [signal.derivatives(time, _orders(signal)) for signal in self.signals.values()]
+    def values_and_derivatives(self, time: float) -> tuple[list[float], list[list[float]]]:
+        """Per input its value and its derivatives at `time`, after a jump: to `ORDERS` or its degree, others are 0."""
+        known = [[source(time), *source.derivatives(time, most)] for source, most in self._sources]
+        values = [known[place][order] for place, order, _ in self._places]
+        return values, [known[place][order + 1 : order + 1 + count] for place, order, count in self._places]
 
     def next_break(self, time: float, end: float) -> float:
         """The next time after `time` at which a force or its slope jumps, or `end` if none does before."""
-        return min((b for signal in self.signals.values() for b in signal.breaks(time, end)), default=end)
+        return min((b for source, _ in self._sources for b in source.breaks(time, end)), default=end)
+
+    @cached_property
+    def _places(self) -> list[tuple[int, int, int]]:
+        """Per input: which source it is of, which derivative of that, and how many derivatives say all of it."""
+        sources = [id(source) for source, _ in self._sources]
+        return [(sources.index(id(_source(s))), _order(s), _orders(s)) for s in self.signals.values()]
+
+    @cached_property
+    def _sources(self) -> list[tuple[Signal, int]]:
+        """Each signal once of which others are derivatives, and how many derivatives all of them take."""
+        most: dict[int, tuple[Signal, int]] = {}
+        for signal in self.signals.values():
+            source, order = _source(signal), _order(signal) + _orders(signal)
+            most[id(source)] = (source, max(order, most.get(id(source), (source, 0))[1]))
+        return list(most.values())
+
+    @cached_property
+    def _curved(self) -> list[Signal]:
+        """Those that are no polynomial which `ORDERS` derivatives say."""
+        return [s for s in self.signals.values() if s.degree is None or s.degree > ORDERS]
 
     def polynomial_reach(self, time: float, end: float) -> float:
         """How far from `time`, at most to `end`, the derivatives at `time` describe every force."""
         reach = end - time
         shortest = reach * _SHORTEST
-        for signal in self.signals.values():
-            if signal.degree is not None and signal.degree <= ORDERS:
-                continue
+        for signal in self._curved:
             derivatives = signal.derivatives(time, ORDERS)
             while reach > shortest and not all(_fits(signal, time, reach * part, derivatives) for part in (0.5, 1.0)):
                 reach *= 0.5
         return time + reach if reach < end - time else end
+
+
+def _source(signal: Signal) -> Signal:
+    return signal.of if isinstance(signal, Derivative) else signal
+
+
+def _order(signal: Signal) -> int:
+    return signal.order if isinstance(signal, Derivative) else 0
 
 
 def _orders(signal: Signal) -> int:
