@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.benchmarks.coupled_hour import measure
 from tests.test_cli import Command
 
 ROOT = Path(__file__).parents[2]
@@ -113,3 +114,12 @@ def test_the_controller_has_thirty_lines_or_so() -> None:
     lines = (ROOT / "docs" / "examples" / "controller.py").read_text("utf-8").splitlines()
     code = [line for line in lines if line.strip()]
     assert len(code) <= 32
+
+
+def test_the_cable_alone_moves_under_the_recorded_motion_as_in_the_coupled_run() -> None:
+    """Extrapolated place, velocity and acceleration in the one, a spline through the samples in the other: 3e-4 m."""
+    hour = measure(20.0)
+    assert len(hour.alone["time"]) == len(hour.coupled["time"]) == 201
+    assert np.ptp(hour.alone["y_c"].values) > 0.3
+    assert hour.apart < 2e-3
+    assert all(speed > 1.0 for speed in hour.speeds)
