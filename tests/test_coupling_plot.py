@@ -44,7 +44,8 @@ def test_what_moves_is_shown_by_unit(result: xr.Dataset) -> None:
     assert [axes.get_ylabel() for axes in diagrams] == [
         "from where it began [m]", "force [kN]", "power [kW]", "in units of its own"
     ]  # fmt: skip
-    assert (diagrams[0].get_title(), diagrams[-1].get_xlabel()) == ("tow", "time [s]")
+    assert diagrams[-1].get_xlabel() == "time [s]"
+    assert diagrams[0].get_figure().get_suptitle() == "tow: a coupled run"
 
 
 def test_a_diagram_of_nothing_is_left_out(result: xr.Dataset) -> None:

@@ -13,7 +13,8 @@ import xarray as xr
 
 from .cable import Floats
 from .files import replacing
-from .plot import check_picture, need_matplotlib
+from .plot import check_picture
+from .plot_style import COLORS, entitle, new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +41,7 @@ _PANELS = (
     _Panel("W", "power [kW]", 1e-3),
     _Panel("", "in units of its own"),
 )
-_STYLES, _COLORS = ("-", "--", ":", "-."), 10
+_STYLES = ("-", "--", ":", "-.")
 _PASSED_OVER = re.compile(r"\.residual$|\.solver\.|\[(?!1\])")
 """Errors, counters, and of lists such as elevation[1], elevation[2] ... all but the first."""
 _STILL = 1e-9
@@ -64,7 +65,7 @@ def plot_coupling(result: xr.Dataset, path: Path) -> None:
     """
     check_picture(path)
     figure = draw_coupling(result)
-    with replacing(path) as temporary:
+    with style(), replacing(path) as temporary:
         figure.savefig(temporary, format=path.suffix.removeprefix("."), dpi=80)
 
 
@@ -78,17 +79,15 @@ def draw_coupling(result: xr.Dataset) -> Figure:
     OptionError
         If matplotlib is not installed.
     """
-    need_matplotlib()
-    from matplotlib.figure import Figure
-
     shown = [(panel, lines) for panel in _PANELS if (lines := list(_lines(result, panel)))]
-    figure = Figure(figsize=(9, 1.0 + 2.4 * max(len(shown), 1)), layout="constrained")
-    rows = figure.subplots(max(len(shown), 1), sharex=True, squeeze=False)[:, 0]
-    for axes, (panel, lines) in zip(rows, shown, strict=False):
-        _draw(axes, result["time"].values, lines)
-        axes.set_ylabel(panel.label)
-    rows[0].set_title(str(result.attrs["title"]))
-    rows[-1].set_xlabel("time [s]")
+    rows = max(len(shown), 1)
+    with style():
+        figure, panels = new_figure(rows, size=(9.0, 1.0 + 2.4 * rows))
+        for axes, (panel, lines) in zip(panels, shown, strict=False):
+            _draw(axes, result["time"].values, lines)
+            axes.set_ylabel(panel.label)
+        panels[-1].set_xlabel("time [s]")
+        entitle(figure, result, "a coupled run")
     return figure
 
 
@@ -106,6 +105,6 @@ def _lines(result: xr.Dataset, panel: _Panel) -> Iterator[tuple[str, Floats]]:
 
 def _draw(axes: Axes, times: Floats, lines: Sequence[tuple[str, Floats]]) -> None:
     for k, (name, values) in enumerate(lines):
-        axes.plot(times, values, _STYLES[k // _COLORS % len(_STYLES)], color=f"C{k % _COLORS}", label=name, linewidth=1)
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="x-small", loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+        again, color = divmod(k, len(COLORS))
+        axes.plot(times, values, _STYLES[again % len(_STYLES)], color=COLORS[color], label=name)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
