@@ -66,7 +66,7 @@ def plot_coupling(result: xr.Dataset, path: Path) -> None:
     check_picture(path)
     figure = draw_coupling(result)
     with style(), replacing(path) as temporary:
-        figure.savefig(temporary, format=path.suffix.removeprefix("."), dpi=80)
+        figure.savefig(temporary, format=path.suffix.removeprefix("."), dpi=72)
 
 
 def draw_coupling(result: xr.Dataset) -> Figure:
