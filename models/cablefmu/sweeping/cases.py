@@ -89,7 +89,7 @@ def axes_of(spec: FileSpec, folder: Path) -> tuple[Axes, list[Mistake]]:
     for k, scene in enumerate(axes.subjects):
         if scene in axes.subjects[:k]:
             mistakes.append(Mistake("scenes", "this scene was named before; once is allowed", scene))
-    if not axes.names and len(axes.subjects) == 1:
+    if not axes.names and len(axes.subjects) == 1 and not mistakes:
         text = "nothing varies: grid, list or sample is expected, or several scenes"
         mistakes.append(Mistake("", text))
     if len(axes) > MOST_CASES:

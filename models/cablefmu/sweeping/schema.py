@@ -88,6 +88,7 @@ class SampleSpec(Table):
 
     method: Literal["latin-hypercube"] = "latin-hypercube"
     count: Annotated[int, _whole(1, MOST_CASES)]
+    """How many points are expected, a whole number"""
     seed: Annotated[int, _whole(0, 2**32 - 1)] = 0
     ranges: Annotated[dict[str, Annotated[tuple[float, float], BeforeValidator(_range)]], Field(min_length=1)]
     """Smallest and largest value by name"""
