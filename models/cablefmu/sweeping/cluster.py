@@ -16,7 +16,7 @@ from distributed import Client, KilledWorker, LocalCluster
 from ..errors import OptionError, RunError
 from .batches import IN_HAND, Sizer
 from .store import Row
-from .worker import Finished, Job, OpensOnce, Task, run_batch
+from .worker import Finished, Job, OpensOnce, Task, Undisturbed, run_batch
 
 __all__ = ["connected", "finished_batches"]
 
@@ -73,6 +73,7 @@ def _local(workers: int) -> Iterator[Client]:
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):  # fmt: skip
+        client.register_plugin(Undisturbed())
         yield client
 
 

@@ -45,20 +45,20 @@ def run_sweep(
     work = _prepared(asked)
     if restart:
         remove(folder)
-    store = work.store(folder, keep_series)
-    finished = store.finished()
-    tasks = work.tasks()
-    waiting = [task for task in tasks if finished.get(task.case) != task.key]
-    done, failed = len(tasks) - len(waiting), store.failed()
-    if progress:
-        progress(done, failed, len(tasks))
-    for batch in _run(work.job(keep_series), waiting, crew):
-        store.add(batch.rows, batch.series)
-        done += len(batch.rows)
-        failed += sum(row.status != "ended" for row in batch.rows)
+    with closing(work.store(folder, keep_series)) as store:
+        finished = store.finished()
+        tasks = work.tasks()
+        waiting = [task for task in tasks if finished.get(task.case) != task.key]
+        done, failed = len(tasks) - len(waiting), store.failed()
         if progress:
             progress(done, failed, len(tasks))
-    return write_table(folder)
+        for batch in _run(work.job(keep_series), waiting, crew):
+            store.add(batch.rows, batch.series)
+            done += len(batch.rows)
+            failed += sum(row.status != "ended" for row in batch.rows)
+            if progress:
+                progress(done, failed, len(tasks))
+        return write_table(folder)
 
 
 @dataclass(frozen=True, slots=True)

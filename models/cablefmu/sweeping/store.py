@@ -15,7 +15,7 @@ import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import pyarrow as pa
@@ -25,9 +25,15 @@ from ..cable import Floats
 from ..errors import SweepError
 from ..files import check_writable, replacing
 
+try:
+    import fcntl
+except ImportError:  # Windows, where nobody keeps two sweeps out of one folder
+    fcntl = None  # type: ignore[assignment]
+
 __all__ = ["Row", "Series", "Store", "read_manifest", "read_rows", "remove"]
 
 _MANIFEST = "sweep.json"
+_LOCK = ".lock"
 _FORMAT = 1
 _FIXED = {
     "case": pa.int64(), "key": pa.string(), "scene": pa.string(), "status": pa.string(), "ended_at": pa.float64(),
@@ -81,7 +87,9 @@ class Store:
     Raises
     ------
     SweepError
-        If the folder holds another sweep or something else, or cannot be written to.
+        If the folder holds another sweep or something else, or another process runs a sweep in it.
+    OptionError
+        If it cannot be written to.
     """
 
     def __init__(
@@ -90,19 +98,31 @@ class Store:
     ) -> None:  # fmt: skip
         self.folder = folder
         check_writable(folder / _MANIFEST)
-        manifest = {"format": _FORMAT, "identity": dict(identity), **about}
-        known = read_manifest(folder)
-        if known is None:
-            others = sorted(entry.name for entry in folder.iterdir())
-            if others:
-                raise SweepError(f"{folder}: holds {others[0]} and no sweep; an empty folder or a new name is expected")
-            with replacing(folder / _MANIFEST) as temporary:
-                temporary.write_text(json.dumps(manifest, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-        else:
-            _compare(folder, known, manifest)
+        self._lock = _locked(folder)
+        try:
+            self._claim({"format": _FORMAT, "identity": dict(identity), **about})
+        except BaseException:
+            self.close()
+            raise
         kinds = {name: pa.string() if name in words else pa.float64() for name in values}
         *head, last = _FIXED.items()
         self._schema = pa.schema([*head, *kinds.items(), *((name, pa.float64()) for name in about["figures"]), last])
+
+    def _claim(self, manifest: Mapping[str, Any]) -> None:
+        """Make it this sweep's, or find that it is."""
+        known = read_manifest(self.folder)
+        if known is not None:
+            _compare(self.folder, known, manifest)
+        else:
+            others = sorted(entry.name for entry in self.folder.iterdir() if not entry.name.startswith("."))
+            if others:
+                text = f"holds {others[0]} and no sweep; an empty folder or a new name is expected"
+                raise SweepError(f"{self.folder}: {text}")
+            with replacing(self.folder / _MANIFEST) as temporary:
+                temporary.write_text(json.dumps(manifest, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        for name in ("parts", "series"):
+            for torn in (self.folder / name).glob(".cablefmu-*"):
+                torn.unlink()
 
     def add(self, rows: Sequence[Row], series: Sequence[Series] = ()) -> None:
         """Keep finished cases; when this returns they are on the disk."""
@@ -118,6 +138,10 @@ class Store:
             for row in rows
         ]  # fmt: skip
         _write(self.folder / "parts" / name, pa.Table.from_pylist(dicts, schema=self._schema))
+
+    def close(self) -> None:
+        """Let others have the folder."""
+        self._lock.close()
 
     def failed(self) -> int:
         """How many of those in it did not reach their end."""
@@ -167,9 +191,23 @@ def read_rows(folder: Path) -> pa.Table | None:
 def remove(folder: Path) -> None:
     """Take a sweep out of its folder, whichever it was, and nothing else."""
     if (folder / _MANIFEST).is_file():
+        lock = _locked(folder)
         for name in ("parts", "series"):
             shutil.rmtree(folder / name, ignore_errors=True)
         (folder / _MANIFEST).unlink()
+        lock.close()
+
+
+def _locked(folder: Path) -> IO[bytes]:
+    """A file that the system holds for this process alone, and lets go however that ends."""
+    lock = (folder / _LOCK).open("wb")
+    if fcntl is not None:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.close()
+            raise SweepError(f"{folder}: another process runs a sweep in it; another folder is expected") from None
+    return lock
 
 
 def _compare(folder: Path, known: Mapping[str, Any], asked: Mapping[str, Any]) -> None:

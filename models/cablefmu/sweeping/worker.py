@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import time as clock
 from collections.abc import Mapping, Sequence
@@ -18,7 +19,7 @@ from .figures import Plan, figures
 from .store import Row, Series
 from .subjects import Package, Subject
 
-__all__ = ["Bench", "Finished", "Job", "OpensOnce", "Task", "run_batch"]
+__all__ = ["Bench", "Finished", "Job", "OpensOnce", "Task", "Undisturbed", "run_batch"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +67,8 @@ class Bench:
     def run(self, tasks: Sequence[Task]) -> Finished:
         """Run them one after the other; whatever happens to one, the others are run."""
         with self._lock:
+            for task in tasks:
+                self._subject(task.subject)  # what opening takes says nothing of what cases take
             began = clock.perf_counter()
             series: list[Series] = []
             rows = [self._row(task, series) for task in tasks]
@@ -121,6 +124,16 @@ class OpensOnce(WorkerPlugin):
         bench = worker.__dict__.get(_BENCHES, {}).pop(self.name, None)
         if bench is not None:
             bench.close()
+
+
+class Undisturbed(WorkerPlugin):
+    """Ctrl-C at a terminal reaches all its processes: the parent ends the workers of its own machine, in order."""
+
+    name = "cablefmu-undisturbed"
+
+    def setup(self, worker: Any) -> None:
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 _BENCHES = "cablefmu_benches"
