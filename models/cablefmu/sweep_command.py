@@ -107,8 +107,7 @@ def sweep(
     _print(summary_of(result), result, Console())
     print("results: " + ", ".join(map(str, files)))
     if len(failed):
-        first = "" if len(failed) == result.sizes["case"] else " of them"
-        raise RunError(f"{len(failed)} of {result.sizes['case']} cases failed, the first{first} because: {failed[0]}")
+        raise RunError(f"{len(failed)} of {result.sizes['case']} cases failed, the first because: {failed[0]}")
 
 
 def _asked(names: Sequence[str], options: dict[str, Any]) -> Sweep:

@@ -61,7 +61,7 @@ def connected(scheduler: str | None, workers: int, wait: float) -> Iterator[Clie
 def _local(workers: int) -> Iterator[Client]:
     _be_quiet()
     settings = {
-        "distributed.scheduler.allowed-failures": 1,
+        "distributed.scheduler.allowed-failures": 0,  # who died of what is found out here
         "distributed.worker.memory.terminate": False,  # a worker that is large is not a worker that is ill
         "distributed.worker.daemon": True,
     }
@@ -79,7 +79,9 @@ def _local(workers: int) -> Iterator[Client]:
 
 def _be_quiet() -> None:
     """What Dask logs of workers that come and go is told in the table."""
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in list(logging.Logger.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 def finished_batches(client: Client, job: Job, tasks: Sequence[Task], wait: float) -> Iterator[Finished]:

@@ -30,11 +30,13 @@ try:
 except ImportError:  # Windows, where nobody keeps two sweeps out of one folder
     fcntl = None  # type: ignore[assignment]
 
-__all__ = ["Row", "Series", "Store", "read_manifest", "read_rows", "remove"]
+__all__ = ["TABLES", "Row", "Series", "Store", "read_manifest", "read_rows", "remove"]
 
 _MANIFEST = "sweep.json"
 _LOCK = ".lock"
 _FORMAT = 1
+TABLES = ("cases.csv", "cases.csv.json", "summary.csv")
+"""What is made of the parts in the end"""
 _FIXED = {
     "case": pa.int64(), "key": pa.string(), "scene": pa.string(), "status": pa.string(), "ended_at": pa.float64(),
     "reason": pa.string(), "run_time": pa.float64(),
@@ -194,7 +196,8 @@ def remove(folder: Path) -> None:
         lock = _locked(folder)
         for name in ("parts", "series"):
             shutil.rmtree(folder / name, ignore_errors=True)
-        (folder / _MANIFEST).unlink()
+        for path in (*TABLES, _MANIFEST):
+            (folder / path).unlink(missing_ok=True)
         lock.close()
 
 

@@ -15,7 +15,7 @@ import xarray as xr
 from ..errors import SweepError
 from ..files import replacing
 from .statistics import summary_of, write_summary
-from .store import read_manifest, read_rows
+from .store import TABLES, read_manifest, read_rows
 
 __all__ = ["open_table", "write_table"]
 
@@ -39,7 +39,7 @@ _WORDS = {
 def write_table(folder: Path) -> list[Path]:
     """Write cases.csv, cases.csv.json and summary.csv of what is finished; run times stand in the last column."""
     manifest, rows = _read(folder)
-    table, summary = folder / "cases.csv", folder / "summary.csv"
+    table, about, summary = (folder / name for name in TABLES)
     columns = rows.drop_columns(["key"])
     with replacing(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -48,7 +48,7 @@ def write_table(folder: Path) -> list[Path]:
             writer.writerows(map(_fields, zip(*(column.to_pylist() for column in batch.columns), strict=True)))
     result = _dataset(manifest, rows)
     described = {str(name): variable.attrs for name, variable in result.variables.items()}
-    with replacing(table.with_name("cases.csv.json")) as temporary:
+    with replacing(about) as temporary:
         text = json.dumps({**manifest, "variables": described}, indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")
     write_summary(summary_of(result), summary)
