@@ -22,7 +22,7 @@ pytestmark = pytest.mark.slow  # processes that load the package, and wait for e
 
 ROOT = Path(__file__).parents[2]
 COUNT = 400
-PATIENCE = 120.0
+PATIENCE = 300.0
 """Seconds, on a machine that is busy"""
 
 
@@ -83,7 +83,7 @@ def test_killed_half_way_it_ends_with_the_same_table(
     process = sweeps(here, "out", "--workers", "2")
     wait_for(lambda: cases_in(here / "out") > COUNT // 4, process)
     os.killpg(process.pid, number)
-    assert ended(process) == (status, "" if number == signal.SIGKILL else "cablefmu: interrupted\n")
+    assert ended(process) == (status, "")
     kept = {path.name: path.read_bytes() for path in (here / "out" / "parts").glob("0*.parquet")}
     finished = cases_in(here / "out")
     assert COUNT // 4 < finished < COUNT

@@ -64,6 +64,8 @@ def _local(workers: int) -> Iterator[Client]:
         "distributed.scheduler.allowed-failures": 0,  # who died of what is found out here
         "distributed.worker.memory.terminate": False,  # a worker that is large is not a worker that is ill
         "distributed.worker.daemon": True,
+        "distributed.worker.profile.enabled": False,  # every core is for cases
+        "distributed.admin.system-monitor.interval": "10s",
     }
     with (
         dask.config.set(settings),

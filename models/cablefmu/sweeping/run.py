@@ -17,6 +17,7 @@ from typing import Any
 from .. import __version__
 from ..errors import OptionError, SweepError
 from .api import Crew, Progress
+from .batches import Sizer
 from .cluster import connected, finished_batches
 from .description import Sweep
 from .figures import EXTREMES, Plan, plan_for
@@ -25,7 +26,7 @@ from .subjects import Output, Package, packages_of
 from .table import write_table
 from .worker import Bench, Finished, Job, Task
 
-__all__ = ["run_sweep"]
+__all__ = ["Work", "prepared", "run_sweep"]
 
 
 def run_sweep(
@@ -42,7 +43,7 @@ def run_sweep(
         See `sweep`.
     """
     crew.check()
-    work = _prepared(asked)
+    work = prepared(asked)
     if restart:
         remove(folder)
     with closing(work.store(folder, keep_series)) as store:
@@ -73,7 +74,7 @@ class _Subject:
 
 
 @dataclass(frozen=True, slots=True)
-class _Work:
+class Work:
     """A sweep whose scenes and values are in order."""
 
     asked: Sweep
@@ -132,7 +133,7 @@ def _columns(subject: _Subject) -> Iterator[tuple[str, str]]:
         yield f"{name}.equivalent", units[name]
 
 
-def _prepared(asked: Sweep) -> _Work:
+def prepared(asked: Sweep) -> Work:
     """Everything that can be refused is refused here, all of it at once."""
     found: dict[str, _Subject] = {}
     mistakes: dict[str, None] = {}
@@ -154,7 +155,7 @@ def _prepared(asked: Sweep) -> _Work:
     if mistakes:
         shown = list(mistakes)[:_MOST_LINES]
         raise SweepError("\n".join(shown + ["... and more"] * (len(mistakes) > _MOST_LINES)))
-    return _Work(asked, found)
+    return Work(asked, found)
 
 
 _MOST_LINES = 50
@@ -165,12 +166,22 @@ def _run(job: Job, tasks: Sequence[Task], crew: Crew) -> Iterator[Finished]:
     if not tasks:
         return
     if crew.workers == 0:
-        with closing(Bench(job)) as bench:
-            for task in tasks:
-                yield bench.run([task])
+        yield from _run_here(job, tasks)
         return
     with connected(crew.scheduler, crew.workers or min(_cores(), len(tasks)), crew.wait) as client:
         yield from finished_batches(client, job, tasks, crew.wait)
+
+
+def _run_here(job: Job, tasks: Sequence[Task]) -> Iterator[Finished]:
+    """In this process; what is stored at once is as large as with a cluster."""
+    sizer, done = Sizer(), 0
+    with closing(Bench(job)) as bench:
+        while done < len(tasks):
+            size = sizer.next(len(tasks) - done, 1)
+            finished = bench.run(tasks[done : done + size])
+            sizer.learn(size, finished.seconds)
+            done += size
+            yield finished
 
 
 def _cores() -> int:

@@ -179,13 +179,17 @@ class CouplingPackage:
 
     @property
     def identity(self) -> str:
-        """Of the file and of its FMUs, but for partners, whose archives say when they were made."""
+        """Of the file and of its FMUs; those in Python say when they were made, but for what they are made of."""
         digest = hashlib.sha256(self.coupling.text.encode())
         with opened(self.coupling, elsewhere=True) as system:
             for name, model in system.models.items():
                 digest.update(name.encode())
-                if model.spec.partner is None:
-                    digest.update(hashlib.sha256(model.path.read_bytes()).digest())
+                resources = model.folder / "resources"
+                is_python = (resources / "slavemodule.txt").is_file()
+                for path in sorted(resources.rglob("*")) if is_python else [model.path]:
+                    if path.is_file():
+                        digest.update(path.name.encode() if is_python else b"")
+                        digest.update(hashlib.sha256(path.read_bytes()).digest())
         return digest.hexdigest()
 
     def open(self, folder: Path | None = None) -> Subject:
