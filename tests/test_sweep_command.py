@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib.util
 import json
 from pathlib import Path
 
@@ -198,3 +199,13 @@ def test_another_sweep_s_folder_is_refused(capsys: pytest.CaptureFixture[str]) -
         assert status == 2
         assert f"build/load.sweep: holds another sweep, whose {key}" in err
         assert "--output names another folder, --restart begins anew" in err
+
+
+@pytest.mark.parametrize("missing", ["distributed", "pyarrow", "rainflow"])
+def test_what_is_not_installed_is_named(
+    missing: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    present = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == missing else present(name))
+    status, _, err = command(capsys, *GRID)
+    assert (status, err) == (2, f"cablefmu: a sweep needs {missing}: pip install 'cablefmu[sweep]'\n")

@@ -34,7 +34,7 @@ from .statics_results import STATICS_GROUPS, joined, statics_dataset
 from .units import LARGEST, SMALLEST
 from .whole import divided
 
-__all__ = ["simulate"]
+__all__ = ["check_given", "divided_scene", "outputs_among", "record_run", "settings_for", "simulate", "variables_in"]
 
 INTERFACES = ("cs", "me")
 SETTABLE = (Kind.PARAMETER, Kind.WHOLE, Kind.LINKS, Kind.SOLVER_CHOICE, Kind.INPUT, Kind.STATE)

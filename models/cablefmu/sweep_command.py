@@ -217,11 +217,11 @@ def _print(summaries: Sequence[Summary], result: xr.Dataset, console: Console) -
     shown = [s for s in summaries if s.name.endswith((".max", ".equivalent"))]
     title = f"{result.attrs['title']}: {result.sizes['case']} cases"
     table = Table(title=title, title_justify="left", box=SIMPLE)
-    for k, head in enumerate(("figure", "mean", "10 % exceed", "largest", "in case")):
+    for k, head in enumerate(("figure", "mean", "1 in 10", "largest", "case")):
         table.add_column(head, justify="right" if k else "left", no_wrap=True)
     for s in shown:
         exceeded = s.exceeded[LEVELS.index(0.1)]
         numbers = [s.mean, exceeded, s.largest]
-        texts = ["-" if value is None else f"{value:.5g}" for value in numbers]
+        texts = ["-" if value is None else f"{value:.4g}" for value in numbers]
         table.add_row(f"{s.name} [{s.unit}]" if s.unit else s.name, *texts, str(s.case))
     console.print(table, markup=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 
 from cablefmu.errors import SweepError
 from cablefmu.sweeping.description import is_sweep_file, make_sweep, read_tables
+from tests.documented import blocks_of
 from tests.fmu_helpers import SCENES
 
 FILE = """
@@ -32,6 +34,14 @@ def test_a_file_is_read(tmp_path: Path) -> None:
     spec = made.spec
     assert (made.name, spec.run.stop_time, spec.set, spec.statistics.slope) == ("masses", 5.0, {"Cd": 1.2}, 4.0)
     assert made.spec.grid == {"M_1": (4000.0, 8000.5), "solver": ("explicit",)}
+
+
+def test_the_files_of_the_documentation_are_in_order(tmp_path: Path) -> None:
+    (tmp_path / "cases.csv").write_text("u_m1\n100\n")
+    page = (Path(__file__).parents[2] / "docs" / "sweep.md").read_text("utf-8")
+    files = [block.text for block in blocks_of(page) if block.kind == "toml"]
+    sizes = [len(make_sweep(tomllib.loads(text), name="s", folder=tmp_path).axes) for text in files]
+    assert sizes == [2 * 1 * 6 * 200, 30]
 
 
 def test_a_sweep_file_is_no_scene_and_no_coupling(tmp_path: Path) -> None:
