@@ -9,8 +9,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scipy.stats import qmc
-
 from ..scene_mistakes import Mistake
 from .schema import MOST_CASES, FileSpec, SampleSpec
 
@@ -99,6 +97,8 @@ def axes_of(spec: FileSpec, folder: Path) -> tuple[Axes, list[Mistake]]:
 
 def _sampled(spec: SampleSpec) -> list[Given]:
     """Points of a Latin hypercube: in every direction one in each of `count` equal intervals."""
+    from scipy.stats import qmc  # takes long to load, and most commands need none
+
     low, high = zip(*spec.ranges.values(), strict=True)
     points = qmc.scale(qmc.LatinHypercube(len(low), rng=spec.seed).random(spec.count), low, high)
     return [dict(zip(spec.ranges, point, strict=True)) for point in points.tolist()]
