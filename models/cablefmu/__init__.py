@@ -18,6 +18,7 @@ from .errors import (
     ResultError,
     RunError,
     SceneError,
+    SweepError,
     UserError,
     VesselError,
     WavesError,
@@ -31,6 +32,7 @@ from .reading import open_result
 from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .statics import Equilibrium, Modes, end_stiffness, equilibrium, modes
+from .sweeping import open_sweep, sweep
 from .vessel import Vessel
 from .view import write_view
 from .waves import Waves
@@ -47,6 +49,7 @@ __all__ = [
     "RunError",
     "Scene",
     "SceneError",
+    "SweepError",
     "UserError",
     "Vessel",
     "VesselError",
@@ -65,8 +68,10 @@ __all__ = [
     "load_scene",
     "modes",
     "open_result",
+    "open_sweep",
     "shipped_couplings",
     "shipped_scenes",
     "simulate",
+    "sweep",
     "write_view",
 ]

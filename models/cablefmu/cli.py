@@ -37,6 +37,7 @@ from .scene import Scene, load_scene, shipped_scenes
 from .simulate import simulate
 from .stress import stress
 from .summary import print_summary
+from .sweep_command import sweep
 from .view_command import view
 
 __all__ = ["app", "main"]
@@ -278,6 +279,7 @@ app.command(plot)
 app.command(gallery)
 app.command(doctor)
 app.command(view)
+app.command(sweep)
 
 
 def _archive_for(scene: str, fmi: int | None, saved_fmi: int | None) -> tuple[Path, Scene]:

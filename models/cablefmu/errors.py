@@ -10,6 +10,7 @@
     │   ├── CouplingError  something in a coupling file, or between the models that it couples
     │   ├── ResultError  a file that was given as results and is none, or is damaged
     │   ├── StateError   a saved state that is none, is damaged, or is of another run
+    │   ├── SweepError   something in a sweep, or a store that is another sweep's
     │   ├── VesselError  something in a vessel's table (or in a file that it names)
     │   └── WavesError   something in a sea's table
     └── RunError         a run that could not go on; status 1, results up to then are kept
@@ -28,6 +29,7 @@ __all__ = [
     "RunError",
     "SceneError",
     "StateError",
+    "SweepError",
     "UserError",
     "VesselError",
     "WavesError",
@@ -68,6 +70,10 @@ class ResultError(UserError):
 
 class StateError(UserError):
     """A file that was given as a saved state and cannot be gone on from."""
+
+
+class SweepError(UserError):
+    """One or more mistakes in a sweep, one line each: where, key, value, what is allowed."""
 
 
 class VesselError(UserError):

@@ -34,7 +34,7 @@ from .statics_results import STATICS_GROUPS, joined, statics_dataset
 from .units import LARGEST, SMALLEST
 from .whole import divided
 
-__all__ = ["simulate"]
+__all__ = ["check_given", "divided_scene", "outputs_among", "record_run", "settings_for", "simulate", "variables_in"]
 
 INTERFACES = ("cs", "me")
 SETTABLE = (Kind.PARAMETER, Kind.WHOLE, Kind.LINKS, Kind.SOLVER_CHOICE, Kind.INPUT, Kind.STATE)
@@ -130,7 +130,7 @@ def simulate(
         If the run could not go on; its `partial` is the Dataset up to then.
     """
     scene, archive = _open(what, fmi)
-    variables = _variables(scene, archive)
+    variables = variables_in(scene, archive)
     saved = None if from_state is None else read_state(from_state)
     version = archive.fmi if archive else fmi or (saved.fmi if saved else 2)
     given = dict(parameters or {})
@@ -141,9 +141,9 @@ def simulate(
         step = saved.step if step is None else step
         tolerance, given = saved.tolerance, {**saved.given, **given}
     if archive is not None and archive.has_arrays:
-        scene = _divided(scene, given)
+        scene = divided_scene(scene, given)
     asked = (*scene.record, *record)
-    settings = _settings(scene, variables, interface, stop_time, step, tolerance, given, asked)
+    settings = settings_for(scene, variables, interface, stop_time, step, tolerance, given, asked)
     if save_state is not None:
         check_saving(Path(save_state), interface)
     settings = _between_states(settings, saved, save_state, archive)
@@ -177,7 +177,7 @@ def _open(what: Scene | str | Path, fmi: int | None) -> tuple[Scene, Archive | N
     return load_scene(what), None
 
 
-def _variables(scene: Scene, archive: Archive | None) -> list[Variable]:
+def variables_in(scene: Scene, archive: Archive | None) -> list[Variable]:
     """The variables of the FMU; a twin has none of the native solver's."""
     if archive is None:
         return variables_of(scene.cable, scene.dropped_outputs)
@@ -185,7 +185,7 @@ def _variables(scene: Scene, archive: Archive | None) -> list[Variable]:
     return [variable for variable in archive.variables() if variable.name in present]
 
 
-def _divided(scene: Scene, given: Mapping[str, float | str]) -> Scene:
+def divided_scene(scene: Scene, given: Mapping[str, float | str]) -> Scene:
     """The scene of an FMU with arrays for as many links as are asked for, and for the cable that was set."""
     n = given.get("n", scene.cable.n)
     if isinstance(n, str) or not 1 <= n <= MAX_LINKS or n != int(n):
@@ -202,7 +202,7 @@ def _divided(scene: Scene, given: Mapping[str, float | str]) -> Scene:
 # --- settings ---
 
 
-def _settings(
+def settings_for(
     scene: Scene, variables: list[Variable], interface: str, stop_time: float | None, step: float | None,
     tolerance: float | None, given: Mapping[str, float | str], record: Sequence[str],
 ) -> Settings:  # fmt: skip
@@ -222,7 +222,7 @@ def _settings(
         raise OptionError(f"tolerance = {settings.tolerance}: at most 0.1 is expected")
     by_name = {variable.name: variable for variable in variables}
     for name, value in settings.given.items():
-        _check_given(name, value, by_name)
+        check_given(name, value, by_name)
     over_time = (v.name for v in elements_of(variables, scene.cable.n) if v.kind not in (Kind.TIME, *_CHOICES))
     recordable = [*GROUPS, *ALONG, *STATICS_GROUPS, *over_time]
     for name in settings.record:
@@ -239,7 +239,7 @@ def _positive(name: str, value: float, unit: str) -> float:
     return float(value)
 
 
-def _check_given(name: str, value: float | str, variables: Mapping[str, Variable]) -> None:
+def check_given(name: str, value: float | str, variables: Mapping[str, Variable]) -> None:
     settable = [v.name for v in variables.values() if v.kind in SETTABLE and v.initial != "calculated"]
     if name not in variables:
         raise OptionError(f"set {name}: there is no such variable{_nearest(name, settable)}")
@@ -293,6 +293,31 @@ def _run(
     progress: Progress | None,
 ) -> xr.Dataset:  # fmt: skip
     elements = elements_of(variables, scene.cable.n)
+    asked = [*outputs_among(elements), *_recorded(elements, settings.record)]
+    names, behind = {variable.name for variable in asked}, states_for(scene.cable, settings.record)
+    recording = Recording([*asked, *(v for v in _recorded(elements, behind) if v.name not in names)])
+    statistics, failure = record_run(archive, scene, variables, settings, folder, recording, progress)
+    about = {
+        "fmi": archive.fmi, "interface": settings.interface, "step": settings.step, "stop_time": settings.stop_time,
+        "tolerance": settings.tolerance, "set": " ".join(f"{k}={v}" for k, v in settings.given.items()),
+    }  # fmt: skip
+    result = dataset(recording.first(len(asked)), scene, about, statistics)
+    if behind:
+        everything = dataset(recording, scene, about, statistics)
+        result = joined(result, along_of(everything, scene.cable, settings.given, settings.record))
+    if failure is None:
+        return result
+    if not recording.times:
+        raise failure
+    result.attrs["ended_early"] = str(failure)
+    raise RunError(str(failure), time=recording.times[-1], partial=result)
+
+
+def record_run(
+    archive: Archive, scene: Scene, variables: list[Variable], settings: Settings, folder: str, recording: Recording,
+    progress: Progress | None = None,
+) -> tuple[dict[str, float], RunError | None]:  # fmt: skip
+    """Run an FMU that is unpacked in `folder`, and fill `recording`; statistics, and the error that ended it."""
     by_name = {variable.name: variable for variable in variables}
     signals = {name: scene.signals[name] for name in scene.cable.inputs}
     # A force that was set is constant, in place of the scene's; a vessel that was put somewhere rests there.
@@ -300,9 +325,6 @@ def _run(
     rests = {name for name, (place, _) in FOLLOWING.items() if place in settings.given and name in signals}
     signals |= dict.fromkeys(rests, Constant(0.0))
     feed = Feed(signals)
-    asked = [*_outputs(elements), *_recorded(elements, settings.record)]
-    names, behind = {variable.name for variable in asked}, states_for(scene.cable, settings.record)
-    recording = Recording([*asked, *(v for v in _recorded(elements, behind) if v.name not in names)])
     driver = make_driver(archive.fmi, settings.interface, archive.description, folder, feed)
     try:
         read = _reader(driver, recording.variables, scene.cable.n)
@@ -320,20 +342,7 @@ def _run(
             _save(driver, archive, settings)
     finally:
         driver.close()
-    about = {
-        "fmi": archive.fmi, "interface": settings.interface, "step": settings.step, "stop_time": settings.stop_time,
-        "tolerance": settings.tolerance, "set": " ".join(f"{k}={v}" for k, v in settings.given.items()),
-    }  # fmt: skip
-    result = dataset(recording.first(len(asked)), scene, about, statistics)
-    if behind:
-        everything = dataset(recording, scene, about, statistics)
-        result = joined(result, along_of(everything, scene.cable, settings.given, settings.record))
-    if failure is None:
-        return result
-    if not recording.times:
-        raise failure
-    result.attrs["ended_early"] = str(failure)
-    raise RunError(str(failure), time=recording.times[-1], partial=result)
+    return statistics, failure
 
 
 def _save(driver: Driver, archive: Archive, settings: Settings) -> None:
@@ -362,7 +371,7 @@ def _set_before(
     return numbers, choices
 
 
-def _outputs(variables: list[Variable]) -> list[Variable]:
+def outputs_among(variables: list[Variable]) -> list[Variable]:
     return [variable for variable in variables if variable.causality == "output"]
 
 

@@ -27,7 +27,7 @@ from ..waves import Waves
 from .description import Coupling
 from .schema import ModelSpec, Value
 
-__all__ = ["PARTNERS", "Model", "Unit", "open_models"]
+__all__ = ["PARTNERS", "Model", "Unit", "open_models", "wrong_values"]
 
 REAL = ("Real", "Float64")
 
@@ -160,7 +160,7 @@ def open_models(
             key = next(key for key in ("scene", "fmu", "partner", "vessel", "waves") if getattr(spec, key) is not None)
             mistakes.append(Mistake(f"model {k}.{key}", str(error)))  # which says what was named
             continue
-        mistakes += [Mistake(f"model {k}.{key}", text, value) for key, text, value in _wrong_values(model)]
+        mistakes += [Mistake(f"model {k}.{key}", text, value) for key, text, value in wrong_values(model)]
         models[spec.name] = model
     return models
 
@@ -237,7 +237,7 @@ def _build_partner(name: str, target: Path) -> Path:
             return Path(FmuBuilder.build_FMU(script, dest=target))
 
 
-def _wrong_values(model: Model) -> list[tuple[str, str, object]]:
+def wrong_values(model: Model) -> list[tuple[str, str, object]]:
     """Parameters and constant inputs that the FMU does not have, or not in that kind."""
     wrong: list[tuple[str, str, object]] = []
     settable = [n for n, v in model.variables.items() if v.causality != "input" and _can_be_set(v)]
