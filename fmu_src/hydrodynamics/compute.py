@@ -103,11 +103,10 @@ NAMES = {
 }
 
 
-def dataset(name: str, hull: Hull) -> xr.Dataset:
-    """The database of one hull."""
-    found, error = converged(hull, hull.omega)
-    excitation = found.pop("excitation")
-    found["excitation"] = np.stack([excitation.real, excitation.imag], axis=-1)
+def dataset(name: str, hull: Hull, results: Arrays, error: float) -> xr.Dataset:
+    """The database of one hull, of its results over `hull.omega` and their error."""
+    excitation = results["excitation"]
+    found = {**results, "excitation": np.stack([excitation.real, excitation.imag], axis=-1)}
     square = ("dof", "radiating_dof")
     dims = {
         "added_mass": ("omega", *square),
@@ -158,7 +157,7 @@ def main(names: list[str]) -> int:
         return 2
     cpt.set_logging("ERROR")
     for name in names:
-        made = dataset(name, HULLS[name])
+        made = dataset(name, HULLS[name], *converged(HULLS[name], HULLS[name].omega))
         made.to_netcdf(DATA / f"{name}.nc", engine="scipy")
         print(f"{name}.nc: {made.attrs['panels']} panels, mesh error {made.attrs['mesh_error']:.2%}")
     return 0

@@ -61,10 +61,15 @@ def in_waves(vessel: Vessel) -> dict[str, Any]:
 @lru_cache(maxsize=32)
 def fitted(body: Hydrodynamics, points: tuple[float, ...]) -> Filters:
     """Filters of surge and heave; a body is fitted once in a process."""
-    memory = body.memory
     places: Floats = np.array(points)
-    radiation = tuple(fit_radiation(body.omega, memory[:, axis]) for axis in range(2))
-    return radiation, tuple(fit_excitation(body, places, axis) for axis in range(2))
+    return _radiation(body), tuple(fit_excitation(body, places, axis) for axis in range(2))
+
+
+@lru_cache(maxsize=32)
+def _radiation(body: Hydrodynamics) -> tuple[Radiation, ...]:
+    """The same wherever elevations are known."""
+    memory = body.memory
+    return tuple(fit_radiation(body.omega, memory[:, axis]) for axis in range(2))
 
 
 def _body(vessel: Vessel) -> Hydrodynamics:
