@@ -47,6 +47,7 @@ app = App(
     help="Functional Mock-up Units of underwater cables, from a scene file.",
     version=version_text,
     help_format="plaintext",
+    suppress_keyboard_interrupt=False,  # main() says so
 )
 
 app.register_install_completion_command(help="Have the shell complete commands, options and names behind TAB.")
