@@ -79,6 +79,7 @@ def test_only_what_was_asked_for_is_left() -> None:
     ("arguments", "says"),
     [
         (["plot", "x.csv"], "x.csv: there is no such file"),
+        (["plot", "."], ".: a name that ends with .csv or .nc is expected"),
         (["plot", "load.toml"], "load.toml: a name that ends with .csv or .nc is expected"),
         (["plot", "x.csv", "-o", "x.gift"], "plot = x.gift: a name that ends with one of"),
         (["plot", "x.csv", "--kind", "movie"], "movie"),
