@@ -50,7 +50,7 @@ def plot(
         raise OptionError("names: at least one name is expected behind it")
     picture = output or result.parent / f"{result.stem}.{kind}.png"
     check_picture(picture)
-    asked = [name for text in names or [] for name in text.split(",")]
+    asked = [name.strip() for text in names or [] for name in text.split(",")]
     write_plot(open_result(result), picture, kind, names=asked, interval=interval)
     print(picture)
 
