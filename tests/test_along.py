@@ -125,6 +125,10 @@ def test_a_scene_asks_for_them() -> None:
         np.testing.assert_array_equal(simulate(asking, stop_time=0.3, record=["omega"])[name], asked[name])
 
 
+def test_a_single_text_is_one_name() -> None:
+    assert simulate(small_scene("load"), stop_time=0.2, record="nodes").sizes["node"] == 6
+
+
 def test_they_are_of_what_was_set() -> None:
     given = {"m_c": 75.0, "F_cx": 300.0, "k_joint": 900.0, "theta[1]": 0.7, "solver": "implicit"}
     run = simulate(small_scene("load"), stop_time=0.3, record=BOTH, parameters=given)

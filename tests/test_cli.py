@@ -49,6 +49,15 @@ def command(capsys: pytest.CaptureFixture[str]) -> Command:
     return Command(capsys)
 
 
+def test_an_interrupt_ends_it_with_130_and_a_word(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("cablefmu.cli.shipped_scenes", interrupted)
+    command("scenes")
+    assert (command.status, command.out, command.err) == (130, "", "cablefmu: interrupted\n")
+
+
 # --- scenes, build, version ---
 
 

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from docs.site.links import is_address
 
+from cablefmu.fmu.archive import build_fmu
+
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page.parent.name != "site")]
 """Those of docs/site point to pages that are generated; `python -m docs.site` checks them."""
@@ -91,3 +93,8 @@ def test_sections_that_the_source_points_to_exist() -> None:
     found = {match for path in sources for match in _TO_SECTION.findall(path.read_text("utf-8"))}
     assert ("model.md", "In O(n)") in found
     assert [(page, name) for page, name in found if name not in headings(ROOT / "docs" / page)] == []
+
+
+def test_the_size_that_the_readme_gives_is_that_of_an_fmu(tmp_path: Path) -> None:
+    size = build_fmu("free-60-water", tmp_path / "cable.fmu").stat().st_size
+    assert f"; {size / 1e6:.1f} MB in all" in " ".join((ROOT / "README.md").read_text("utf-8").split())

@@ -125,6 +125,13 @@ def test_options_that_do_not_belong(result: xr.Dataset) -> None:
         draw(result, "series", interval=0.5)
     with pytest.raises(OptionError, match="holds no output time"):
         draw(result.isel(time=slice(0)), "series")
+    with pytest.raises(OptionError, match="holds no output time"):
+        draw(xr.Dataset(), "series")
+
+
+def test_a_single_name_is_one(result: xr.Dataset) -> None:
+    """A text is a sequence of texts as well, of its letters."""
+    assert [line.get_label() for line in draw(result, "series", names="x_c").axes[0].lines] == ["x_c"]
 
 
 def test_the_interval_is_the_scenes_unless_it_is_given(result: xr.Dataset) -> None:

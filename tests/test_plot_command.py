@@ -22,13 +22,13 @@ def drawn(path: str) -> bool:
 
 def test_a_run_is_kept_and_drawn_later(command: Command) -> None:
     """Frames, pulls and an angle of one file; where the picture is, is said."""
-    assert command("run", "load.toml", "--record", "nodes,tensions", "theta", "-o", "x.nc").status == 0
+    assert command("run", "load.toml", "--record", "nodes, tensions", "theta", "-o", "x.nc").status == 0
     for arguments, picture in (
         (["x.nc"], "x.frames.png"),
         (["x.nc", "--kind", "tension"], "x.tension.png"),
         (["x.nc", "--kind", "envelope", "-o", "e.svg"], "e.svg"),
         (["x.nc", "--interval", "1", "-o", "f.png"], "f.png"),
-        (["x.nc", "--kind", "series", "--names", "x_c,y_c", "theta[3]"], "x.series.png"),
+        (["x.nc", "--kind", "series", "--names", "x_c, y_c", "theta[3]"], "x.series.png"),
         (["x.nc", "--kind", "spectrum", "--names", "tension_top"], "x.spectrum.png"),
     ):
         command("plot", *arguments)
@@ -79,6 +79,7 @@ def test_only_what_was_asked_for_is_left() -> None:
     ("arguments", "says"),
     [
         (["plot", "x.csv"], "x.csv: there is no such file"),
+        (["plot", "."], ".: a name that ends with .csv or .nc is expected"),
         (["plot", "load.toml"], "load.toml: a name that ends with .csv or .nc is expected"),
         (["plot", "x.csv", "-o", "x.gift"], "plot = x.gift: a name that ends with one of"),
         (["plot", "x.csv", "--kind", "movie"], "movie"),

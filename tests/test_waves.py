@@ -117,6 +117,16 @@ MISTAKES: dict[str, tuple[object, list[str]]] = {
     "fenton breaks": (
         {"kind": "fenton", "height": 20, "period": 7}, ["waves.height = 20.0: Fenton waves of this height and "]
     ),
+    "a period of no wave": (
+        {"kind": "stokes", "height": 0.5, "period": 100, "depth": 2},
+        ["Stokes waves of this height and 442.9 m length are not found; they break from about 1.784 m on, and in water "
+         'so shallow kind = "fenton" with a high order finds most'],
+    ),
+    "fenton in shallow water": (
+        {"kind": "fenton", "height": 0.5, "length": 100, "depth": 2, "order": 3},
+        ["they break from about 1.775 m on, and in water so shallow a higher order finds more"],
+    ),
+    "a key that is no text": (AIRY | {1: 2}, ["sea.toml: waves: keys are texts, and 1 is none"]),
     "irregular breaks": (
         SEA | {"significant_height": 20},
         ["waves.significant_height = 20.0: waves 126.5 m long break from 17.96 m on; a lower or a longer one"],

@@ -16,7 +16,8 @@ from sphinx.cmd.build import build_main
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-_COPIED = ("*.md", "*.svg", "*.png", "*.ipynb", "report/*", "stress/*", "tutorials/*", "site/*.md")
+_COPIED = ("*.md", "*.svg", "*.png", "*.ipynb", "report/*", "stress/*", "tutorials/*", "examples/*.png",
+           "site/*.md")  # fmt: skip
 _FURTHER = "<!-- further pages -->"
 
 

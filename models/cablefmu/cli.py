@@ -47,6 +47,7 @@ app = App(
     help="Functional Mock-up Units of underwater cables, from a scene file.",
     version=version_text,
     help_format="plaintext",
+    suppress_keyboard_interrupt=False,  # main() says so
 )
 
 app.register_install_completion_command(help="Have the shell complete commands, options and names behind TAB.")
@@ -167,7 +168,7 @@ def run(
     given = _assignments(set_ or [])
     if plot is None and plot_kind != "frames":
         raise OptionError(f"plot-kind = {plot_kind}: goes with --plot FILE.png, which is missing")
-    asked = [name for text in record or [] for name in text.split(",")]
+    asked = [name.strip() for text in record or [] for name in text.split(",")]
     saved_fmi = None if from_state is None else read_state(from_state).fmi
     what, of = _archive_for(scene, fmi, saved_fmi)
     name = of.name

@@ -54,7 +54,7 @@ def draw(
         "frames": the cable's shape at regular times. "series": variables over time. "tension": the pull along the cable
         over time. "envelope": how far every point gets, and between which pulls. "spectrum": power spectral densities.
     names
-        Of variables, for series and spectrum; all outputs by default.
+        Of variables, for series and spectrum, or a single one; all outputs by default.
     interval
         Between two shapes of frames [s]; the scene's by default.
 
@@ -70,6 +70,7 @@ def draw(
     if interval is not None and kind != "frames":
         raise OptionError(f"interval = {interval}: only a picture of frames has one")
     _check_held(result, kind)
+    names = [names] if isinstance(names, str) else names
     with style():
         if kind == "frames":
             return draw_frames(result, _interval(result) if interval is None else interval)
@@ -90,7 +91,7 @@ def _check_held(result: xr.Dataset, kind: str) -> None:
                 f"a picture of {kind} needs {name}, which this result does not hold; "
                 f"a run with --record {' '.join(KINDS[kind])} does"
             )
-    if not result.sizes["time"]:
+    if not result.sizes.get("time"):
         raise OptionError("this result holds no output time, and so nothing to draw")
 
 

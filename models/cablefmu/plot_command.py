@@ -48,9 +48,9 @@ def plot(
     """Draw a picture of results that were kept."""
     if names == []:
         raise OptionError("names: at least one name is expected behind it")
-    picture = output or result.with_suffix(f".{kind}.png")
+    picture = output or result.parent / f"{result.stem}.{kind}.png"
     check_picture(picture)
-    asked = [name for text in names or [] for name in text.split(",")]
+    asked = [name.strip() for text in names or [] for name in text.split(",")]
     write_plot(open_result(result), picture, kind, names=asked, interval=interval)
     print(picture)
 

@@ -71,6 +71,8 @@ def _mistake(details: dict[str, Any], root: type[BaseModel]) -> Mistake:
     loc: tuple[int | str, ...] = details["loc"]
     context: dict[str, Any] = details.get("ctx", {})
     value = details["input"]
+    if details["type"] == "invalid_key":
+        return Mistake(_key(loc[:-1]), f"keys are texts, and {loc[-1]!r} is none")
     key = _key(loc)
     match details["type"]:
         case "missing" if isinstance(loc[-1], int):

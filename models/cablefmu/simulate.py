@@ -142,7 +142,7 @@ def simulate(
         tolerance, given = saved.tolerance, {**saved.given, **given}
     if archive is not None and archive.has_arrays:
         scene = divided_scene(scene, given)
-    asked = (*scene.record, *record)
+    asked = (*scene.record, *([record] if isinstance(record, str) else record))
     settings = settings_for(scene, variables, interface, stop_time, step, tolerance, given, asked)
     if save_state is not None:
         check_saving(Path(save_state), interface)

@@ -165,7 +165,7 @@ def nonlinear(
         linear = 2.0 * math.pi / float(wave_number(np.array([2.0 * math.pi / period]), depth, gravity)[0])
         try:
             length = _length_of(lambda tried: float(of_length(tried).period), period, linear)
-        except RuntimeError:  # scipy's, where secants lead nowhere
+        except (RuntimeError, MistakeFoundError):  # secants lead nowhere, or to where there are no waves
             raise _not_found(theory, height, linear, depth) from None
     k = 2.0 * math.pi / length
     limit = breaking_height(k, depth)
@@ -203,7 +203,8 @@ def _not_found(theory: str, height: float, length: float, depth: float) -> Mista
         f"{theory} waves of this height and {length:.4g} m length are not found; they break from about {limit:.4g} m on"
     )
     if depth < 0.1 * length:
-        text += ', and in water so shallow kind = "fenton" with a high order finds most'
+        more = 'kind = "fenton" with a high order finds most' if theory == "Stokes" else "a higher order finds more"
+        text += f", and in water so shallow {more}"
     return MistakeFoundError(Mistake("height", text, height))
 
 

@@ -117,3 +117,13 @@ def test_other_engines_have_the_same_sea(engine: str) -> None:
 def test_a_mistake_in_a_seas_table_is_one_of_the_coupling() -> None:
     with pytest.raises(CouplingError, match=r"sea\.waves\.height = 99\.0: waves 39\.\d* m long break from"):
         couple(Coupling.from_text(TEXT.replace("height = 1.6", "height = 99"), name="x"))
+
+
+def test_a_sea_by_itself_runs_in_another_engine() -> None:
+    """Without a connection: SSP's schema has no empty list of them."""
+    text = OTHERS.partition('[[model]]\nname = "plate"')[0]
+    with opened(Coupling.from_text(text, name="alone")) as system:
+        own, other = run_with("own", system), run_with("fmpy-ssp", system)
+    expected = own["sea.vy[1]"].values[1:]
+    assert np.abs(expected).max() > 0.2
+    assert np.abs(other["sea.vy[1]"].values - expected).max() < 1e-12

@@ -67,6 +67,21 @@ def test_what_is_offered(tmp_path: Path) -> None:
     assert not (offered.canInterpolateInputs or offered.providesDirectionalDerivative)
 
 
+def test_limits_of_parameters_are_said(tmp_path: Path) -> None:
+    """Beyond them the FMU refuses, and that is its end: hosts must be able to know."""
+    by_name = {v.name: v for v in described(AIRY, tmp_path).modelVariables}
+    assert float(by_name["height"].max) == pytest.approx(0.142 * 9.81 * 64.0 / (2.0 * np.pi), rel=1e-12)
+    assert (float(by_name["phase"].min), float(by_name["phase"].max)) == (-2.0 * np.pi, 2.0 * np.pi)
+    assert (by_name["height"].min, by_name["ramp"].min) == ("0.0", "0.0")
+
+
+def test_no_sources_are_promised(tmp_path: Path) -> None:
+    """Such a file would be one of sources/, and there is none in a script's FMU."""
+    with zipfile.ZipFile(build_waves(AIRY, tmp_path / "x.fmu")) as archive:
+        assert b"SourceFiles" not in archive.read("modelDescription.xml")
+        assert not any(name.startswith("sources/") for name in archive.namelist())
+
+
 @pytest.mark.parametrize("table", [AIRY | ALL, FENTON, SEA], ids=["airy", "fenton", "jonswap"])
 def test_checkers_find_nothing(
     table: dict[str, object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture

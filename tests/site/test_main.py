@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from docs.site import __main__ as site
 
 ROOT = Path(__file__).parents[2]
+_PICTURE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)\)")
 
 
 def test_pages_are_gathered_with_those_that_are_generated(tmp_path: Path) -> None:
@@ -20,6 +22,15 @@ def test_pages_are_gathered_with_those_that_are_generated(tmp_path: Path) -> Non
             "performance.md", "changelog.md", "free-60-air.png"} <= found  # fmt: skip
     assert "left_over.md" not in found
     assert all(page.endswith((".md", ".ipynb", ".png", ".svg", ".csv", ".json", ".html")) for page in found)
+
+
+def test_pictures_are_gathered_with_the_pages_that_show_them(tmp_path: Path) -> None:
+    site.gather(tmp_path)
+    shown = {
+        page.parent / name for page in tmp_path.rglob("*.md") for name in _PICTURE.findall(page.read_text("utf-8"))
+        if "://" not in name
+    }  # fmt: skip
+    assert len(shown) > 5 and [path for path in shown if not path.is_file()] == []
 
 
 def test_a_page_that_the_front_page_does_not_name_is_listed_there(tmp_path: Path) -> None:

@@ -63,7 +63,14 @@ def _structure(system: System) -> ET.Element:
     elements = ET.SubElement(whole, f"{{{_SSD}}}Elements")
     for name, model in system.models.items():
         _add_component(elements, model, [c.target.name for c in system.connections if c.target.model == name])
-    connections = ET.SubElement(whole, f"{{{_SSD}}}Connections")
+    if system.connections:  # an empty list of them is not allowed
+        _add_connections(ET.SubElement(whole, f"{{{_SSD}}}Connections"), system)
+    experiment = {"startTime": "0.0", "stopTime": repr(settings.stop_time)}
+    ET.SubElement(root, f"{{{_SSD}}}DefaultExperiment", experiment)
+    return root
+
+
+def _add_connections(connections: ET.Element, system: System) -> None:
     for connection in system.connections:
         source, target = connection.source, connection.target
         element = ET.SubElement(connections, f"{{{_SSD}}}Connection", {
@@ -73,9 +80,6 @@ def _structure(system: System) -> ET.Element:
         if connection.gain != 1.0 or connection.offset:
             numbers = {"factor": repr(connection.gain), "offset": repr(connection.offset)}
             ET.SubElement(element, f"{{{_SSC}}}LinearTransformation", numbers)
-    experiment = {"startTime": "0.0", "stopTime": repr(settings.stop_time)}
-    ET.SubElement(root, f"{{{_SSD}}}DefaultExperiment", experiment)
-    return root
 
 
 def _add_component(elements: ET.Element, model: Model, inputs: list[str]) -> None:

@@ -134,7 +134,8 @@ def _value_attributes(variable: Variable) -> dict[str, str]:
     display = next(iter(UNITS[variable.unit].display), None)
     if display:
         attributes["displayUnit"] = display
-    for key, value in (("min", variable.minimum), ("nominal", variable.nominal), ("start", variable.start)):
+    given = {"min": variable.minimum, "max": variable.maximum, "nominal": variable.nominal, "start": variable.start}
+    for key, value in given.items():
         if value is not None:
             attributes[key] = _number(value)
     return attributes

@@ -80,6 +80,8 @@ def slave_description(native: bytes, *, keeps_state: bool) -> bytes:
         co_simulation.attrib |= {"needsExecutionTool": "true", "maxOutputDerivativeOrder": "0"}
         co_simulation.attrib |= dict.fromkeys(_NEVER_OFFERED, "false")
         co_simulation.attrib |= dict.fromkeys(_STATE, "true" if keeps_state else "false")
+        for sources in co_simulation.findall("SourceFiles"):  # of C, which a script has none of
+            co_simulation.remove(sources)
     ET.indent(root, "  ")
     text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
