@@ -87,10 +87,10 @@ def _check_held(result: xr.Dataset, kind: str) -> None:
     needed = KINDS[kind] if kind != "envelope" else ("nodes",)
     for name in needed:
         if not held[name]:
-            raise OptionError(
-                f"a picture of {kind} needs {name}, which this result does not hold; "
-                f"a run with --record {' '.join(KINDS[kind])} does"
-            )
+            held_by = f"a run with --record {' '.join(KINDS[kind])} does"
+            if "coupling" in result.attrs:
+                held_by = "results of couplings have pictures of kind series and spectrum"
+            raise OptionError(f"a picture of {kind} needs {name}, which this result does not hold; {held_by}")
     if not result.sizes.get("time"):
         raise OptionError("this result holds no output time, and so nothing to draw")
 
