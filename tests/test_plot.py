@@ -118,7 +118,7 @@ def test_what_a_result_does_not_hold_is_asked_for(kind: str, drop: list[str], sa
 
 def test_results_of_couplings_are_not_asked_for_what_no_option_records(result: xr.Dataset) -> None:
     coupled = result.drop_vars("tension").assign_attrs(coupling="[coupling]")
-    with pytest.raises(OptionError, match="tension needs tensions, .* couplings have pictures of kind series and"):
+    with pytest.raises(OptionError, match=r"tension needs tensions, .* couplings have pictures of kind series and"):
         draw(coupled, "tension")
 
 
