@@ -79,6 +79,7 @@ def test_no_reference_without_a_run() -> None:
 # --- horizon ---
 
 
+@pytest.mark.slow
 def test_chaotic_motion_has_a_horizon() -> None:
     scene = Scene.from_text(CHAOTIC, name="chaotic")
     with fmu_runs(scene) as runs:
@@ -93,6 +94,7 @@ def test_chaotic_motion_has_a_horizon() -> None:
     assert found.difference.position < 1e-4, "what the reference is good to counts up to the horizon only"
 
 
+@pytest.mark.slow
 def test_who_asks_for_less_sees_further() -> None:
     scene = Scene.from_text(CHAOTIC, name="chaotic")
     with fmu_runs(scene) as runs:

@@ -56,7 +56,13 @@ def _oracle(scene: Scene, times: Floats) -> Trajectory:
     )
 
 
-@pytest.mark.parametrize("name", shipped_scenes())
+LONG = {"floaters-restrained-80", "load-lift-80", "seabed-mass-110"}
+"""Under CVode or by the dense model, 20 to 70 s."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in shipped_scenes()]
+)
 def test_every_way_to_run_a_scene_gives_the_same_motion(name: str) -> None:
     scene = load_scene(name)
     runs = {

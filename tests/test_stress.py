@@ -33,6 +33,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_short_subset_passes_within_a_minute(command: Command) -> None:  # noqa: F811
     began = processor_time()
     told = command("stress", "--short")
