@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pyarrow.parquet as pq
 import pytest
 
 from tests.fmu_helpers import SCENES
@@ -61,8 +62,6 @@ def wait_for(what: Callable[[], object], process: subprocess.Popen[str] | None =
 
 def cases_in(folder: Path) -> int:
     """Of a store that another process writes to."""
-    import pyarrow.parquet as pq
-
     return sum(pq.read_metadata(path).num_rows for path in (folder / "parts").glob("0*.parquet"))
 
 
@@ -75,15 +74,17 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     return without_times(folder / "out" / "cases.csv")
 
 
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
+@pytest.mark.parametrize(
+    ("number", "end"), [(signal.SIGKILL, (-signal.SIGKILL, "")), (signal.SIGINT, (130, "cablefmu: interrupted\n"))]
+)
 def test_killed_half_way_it_ends_with_the_same_table(
-    number: signal.Signals, status: int, here: Path, table: list[str]
+    number: signal.Signals, end: tuple[int, str], here: Path, table: list[str]
 ) -> None:
     """The whole process group at once; what was stored is not run again."""
     process = sweeps(here, "out", "--workers", "2")
     wait_for(lambda: cases_in(here / "out") > COUNT // 4, process)
     os.killpg(process.pid, number)
-    assert ended(process) == (status, "")
+    assert ended(process) == end
     kept = {path.name: path.read_bytes() for path in (here / "out" / "parts").glob("0*.parquet")}
     finished = cases_in(here / "out")
     assert COUNT // 4 < finished < COUNT
