@@ -72,6 +72,7 @@ def _local(workers: int) -> Iterator[Client]:
         LocalCluster(
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1",
             silence_logs=logging.CRITICAL, memory_limit=0,
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any port: two sweeps may run beside each other
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):  # fmt: skip
