@@ -20,7 +20,7 @@ from fmpy.sundials.libraries import sundials_cvode
 
 from .errors import FmuError, RunError
 from .feed import Feed
-from .reals import Reals
+from .reals import Reals, Slopes
 
 __all__ = ["Driver", "fmi2_callbacks", "make_driver"]
 
@@ -194,6 +194,7 @@ class Fmi2CoSimulation(_Fmi2):
     def __init__(self, description: Any, folder: str, feed: Feed) -> None:
         super().__init__(description, feed)
         self._interpolates = description.coSimulation.canInterpolateInputs
+        self._slopes = Slopes(self.inputs, feed.orders)
         self.instantiate(fmi2.FMU2Slave, description, description.coSimulation, folder)
 
     def advance(self, time: float, end: float) -> None:
@@ -204,7 +205,7 @@ class Fmi2CoSimulation(_Fmi2):
             reach = self.feed.polynomial_reach(time, end)
             values, derivatives = self.feed.values_and_derivatives(time)
             self.set_inputs(values)
-            self._set_derivatives(derivatives)
+            self._call("fmi2SetRealInputDerivatives", self._slopes.set, self.fmu, derivatives)
             self._call(
                 "fmi2DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=reach - time
             )
@@ -215,17 +216,6 @@ class Fmi2CoSimulation(_Fmi2):
         self.set_inputs(self.feed.values_to_hold(time, end))
         self._call("fmi2DoStep", self.fmu.doStep, currentCommunicationPoint=time, communicationStepSize=end - time)
         self.set_inputs(self.feed.values_before(end, end))
-
-    def _set_derivatives(self, derived: Sequence[Sequence[float]]) -> None:
-        if not self.feed.varies:
-            return
-        references, orders, values = [], [], []
-        for reference, derivatives in zip(self.inputs, derived, strict=True):
-            for order, value in enumerate(derivatives, start=1):
-                references.append(reference)
-                orders.append(order)
-                values.append(value)
-        self._call("fmi2SetRealInputDerivatives", self.fmu.setRealInputDerivatives, references, orders, values)
 
 
 class _Fmi3(_Base):

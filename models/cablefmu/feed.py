@@ -70,6 +70,11 @@ class Feed:
         values = [known[place][order] for place, order, _ in self._places]
         return values, [known[place][order + 1 : order + 1 + count] for place, order, count in self._places]
 
+    @property
+    def orders(self) -> list[int]:
+        """Per input how many derivatives say all of it."""
+        return [_orders(signal) for signal in self.signals.values()]
+
     def next_break(self, time: float, end: float) -> float:
         """The next time after `time` at which a force or its slope jumps, or `end` if none does before."""
         return min((b for source, _ in self._sources for b in source.breaks(time, end)), default=end)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import chain
 from typing import Any
 
-__all__ = ["Reals"]
+__all__ = ["Reals", "Slopes"]
 
 
 class Reals:
@@ -41,3 +42,28 @@ class Reals:
         if not self._is_empty:
             getattr(fmu, self._get)(fmu.component, *self._arguments)
         return self._values[:]
+
+
+class Slopes:
+    """Derivatives of inputs of an FMI 2 instance, in a fixed order: those of the first input first.
+
+    Parameters
+    ----------
+    references
+        The inputs' value references.
+    orders
+        How many derivatives each of them has, from the first on.
+    """
+
+    def __init__(self, references: Sequence[int], orders: Sequence[int]) -> None:
+        named = [(r, k) for r, most in zip(references, orders, strict=True) for k in range(1, most + 1)]
+        self._count = len(named)
+        self._references = (ctypes.c_uint32 * self._count)(*(reference for reference, _ in named))
+        self._orders = (ctypes.c_int * self._count)(*(order for _, order in named))
+        self._values = (ctypes.c_double * self._count)()
+
+    def set(self, fmu: Any, derivatives: Iterable[Sequence[float]]) -> None:
+        """Set all of them, input by input; raises FMPy's FMICallException if the FMU refuses."""
+        if self._count:
+            self._values[:] = list(chain.from_iterable(derivatives))
+            fmu.fmi2SetRealInputDerivatives(fmu.component, self._references, self._count, self._orders, self._values)

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 from fmpy import extract
 
@@ -409,7 +408,7 @@ def _advance(
                 driver.advance(time, reach)
                 time = reach
             values = read()
-            if not np.all(np.isfinite(values)):
+            if not all(map(math.isfinite, values)):
                 return RunError(f"an output is not a finite number at t = {end} s")
             recording.add(end, values)
             if progress:
