@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import sys
 import tempfile
 import zipfile
@@ -15,13 +16,23 @@ from xml.etree import ElementTree as ET
 from pythonfmu import FmuBuilder
 
 from .. import __version__
+from .description import describe
+from .licence import LICENCE, slave_licence
+from .resource import token_of
+from .variables import Variable
 
-__all__ = ["partner_script", "slave_description", "slave_members", "without_traces"]
+__all__ = ["described", "partner_module", "partner_script", "slave_description", "slave_members", "without_traces"]
 
 
 def partner_script(name: str) -> bytes:
     """A script of fmu_src/partners, which travels in the package's binaries/partners."""
     return (files("cablefmu") / "binaries" / "partners" / f"{name}.py").read_bytes()
+
+
+def partner_module(name: str) -> tuple[bytes, str]:
+    """A script, and its module: the same name for the same script alone, as FMUs of two versions share a process."""
+    script = partner_script(name)
+    return script, f"{name}_{hashlib.sha256(script).hexdigest()[:12]}"
 
 
 def slave_members(script: bytes, *, module: str, beside: Mapping[str, bytes]) -> dict[str, bytes]:
@@ -61,6 +72,17 @@ def without_traces(module: str) -> Iterator[None]:
     finally:
         sys.path[:] = path
         sys.modules.pop(module, None)
+
+
+def described(
+    members: Mapping[str, bytes], *, name: str, description: str, variables: list[Variable]
+) -> dict[str, bytes]:
+    """The members of an archive that keeps its state, with its description and the licence of what is in it."""
+    native = describe(
+        2, name=name, description=description, token=token_of(b"".join(members[name] for name in sorted(members))),
+        variables=variables,
+    )  # fmt: skip
+    return {**members, "modelDescription.xml": slave_description(native, keeps_state=True), LICENCE: slave_licence()}
 
 
 _NEVER_OFFERED = ("canInterpolateInputs", "providesDirectionalDerivative")

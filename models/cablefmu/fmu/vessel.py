@@ -1,13 +1,11 @@
 """The FMU of a vessel, built by pythonfmu: FMI 2, Co-Simulation.
 
 The slave itself is fmu_src/partners/vessel.py, with bodies.py for what forces move; both travel in the package's
-binaries/partners. It reads what it is
-to do from resources/vessel.json, so that all vessels share one script.
+binaries/partners. It reads what it is to do from resources/vessel.json, so that all vessels share one script.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -17,10 +15,8 @@ from ..errors import OptionError
 from ..files import check_writable, replacing
 from ..vessel import BodyTable, CsvTable, ExcitationTable, FloatingTable, SinesTable, Vessel
 from .archive import write_zip
-from .description import describe, model_identifier
-from .licence import LICENCE, slave_licence
-from .python_slave import partner_script, slave_description, slave_members
-from .resource import token_of
+from .description import model_identifier
+from .python_slave import described, partner_module, slave_members
 from .variables import FRAME, Kind, Variable
 from .vessel_waves import in_waves, mass_of, places_of
 
@@ -65,27 +61,16 @@ def build_vessel(vessel: Vessel | Mapping[str, Any], output: str | Path | None =
 
 
 def _members(vessel: Vessel) -> dict[str, bytes]:
-    script, module = _script("vessel")
+    script, module = partner_module("vessel")
     variables = vessel_variables(vessel)
     about, beside = _about(vessel, variables), {}
     if not isinstance(vessel.table, SinesTable | CsvTable):
-        bodies, about["module"] = _script("bodies")
+        bodies, about["module"] = partner_module("bodies")
         beside[f"{about['module']}.py"] = bodies
     beside[_RESOURCE] = json.dumps(about, indent=1).encode()
     members = slave_members(script, module=module, beside=beside)
-    native = describe(
-        2, name=vessel.name, description=f"{_WHAT[vessel.table.kind]} {_REMARK}",
-        token=token_of(b"".join(members[name] for name in sorted(members))), variables=variables,
-    )  # fmt: skip
-    members["modelDescription.xml"] = slave_description(native, keeps_state=True)
-    members[LICENCE] = slave_licence()
-    return members
-
-
-def _script(name: str) -> tuple[bytes, str]:
-    """A script, and its module: the same name for the same script alone, as vessels of two versions share a process."""
-    script = partner_script(name)
-    return script, f"{name}_{hashlib.sha256(script).hexdigest()[:12]}"
+    description = f"{_WHAT[vessel.table.kind]} {_REMARK}"
+    return described(members, name=vessel.name, description=description, variables=variables)
 
 
 _WHAT = {

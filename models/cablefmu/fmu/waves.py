@@ -6,7 +6,6 @@ series whose coefficients are found here: resources/series.npy, and resources/wa
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import math
@@ -22,10 +21,8 @@ from ..files import check_writable, replacing
 from ..wave_trains import Train, profiles
 from ..waves import LARGEST_SEED, AiryTable, IrregularTable, RegularTable, Waves
 from .archive import write_zip
-from .description import describe, model_identifier
-from .licence import LICENCE, slave_licence
-from .python_slave import partner_script, slave_description, slave_members
-from .resource import token_of
+from .description import model_identifier
+from .python_slave import described, partner_module, slave_members
 from .variables import FRAME, Kind, Variable
 
 __all__ = ["build_waves", "waves_variables"]
@@ -69,21 +66,14 @@ def build_waves(waves: Waves | Mapping[str, Any], output: str | Path | None = No
 
 
 def _members(waves: Waves) -> dict[str, bytes]:
-    script = partner_script("waves")
-    # The same name for the same script alone: seas of two versions of it do not get into each other's way.
-    module = f"waves_{hashlib.sha256(script).hexdigest()[:12]}"
+    script, module = partner_module("waves")
     variables = waves_variables(waves)
     beside = {
         "waves.json": json.dumps(_about(waves, variables), indent=1).encode(), "series.npy": _bytes_of(_series(waves))
     }  # fmt: skip
     members = slave_members(script, module=module, beside=beside)
-    native = describe(
-        2, name=waves.name, description=f"{_WHAT[waves.table.kind]} {_REMARK}",
-        token=token_of(b"".join(members[name] for name in sorted(members))), variables=variables,
-    )  # fmt: skip
-    members["modelDescription.xml"] = slave_description(native, keeps_state=True)
-    members[LICENCE] = slave_licence()
-    return members
+    description = f"{_WHAT[waves.table.kind]} {_REMARK}"
+    return described(members, name=waves.name, description=description, variables=variables)
 
 
 _WHAT = {
